@@ -1,0 +1,26 @@
+# What every target of the project shares: warnings, sanitisers, and the shape of a layer.
+
+add_library(gluevo_build_flags INTERFACE)
+target_compile_options(gluevo_build_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+  $<$<BOOL:${GLUEVO_WARNINGS_AS_ERRORS}>:-Werror>)
+if(GLUEVO_SANITIZE)
+  target_compile_options(gluevo_build_flags INTERFACE
+    -fsanitize=${GLUEVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(gluevo_build_flags INTERFACE -fsanitize=${GLUEVO_SANITIZE})
+endif()
+
+# gluevo_add_layer(NAME SOURCES...): the library gluevo_NAME (gluevo::NAME), whose public headers
+# are the layer's include/ folder; they are installed with it.
+function(gluevo_add_layer name)
+  add_library(gluevo_${name} STATIC ${ARGN})
+  add_library(gluevo::${name} ALIAS gluevo_${name})
+  set_target_properties(gluevo_${name} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(gluevo_${name} PUBLIC cxx_std_20)
+  target_include_directories(gluevo_${name} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(gluevo_${name} PRIVATE $<BUILD_INTERFACE:gluevo_build_flags>)
+  install(TARGETS gluevo_${name} EXPORT gluevoTargets)
+  install(DIRECTORY include/gluevo DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+endfunction()

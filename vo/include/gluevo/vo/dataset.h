@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/camera.h"
+#include "gluevo/vo/trajectory.h"
+
+namespace gluevo::vo {
+
+enum class DatasetFormat {
+  kEuroc,          ///< EuRoC ASL and TUM-VI: mav0/cam0, mav0/cam1.
+  kKittiOdometry,  ///< image_0, image_1, calib.txt, times.txt.
+  kKittiRaw,       ///< image_00/data, image_01/data, timestamps.txt, calib_cam_to_cam.txt.
+  kPlain,          ///< Two folders of images that pair by name, and a calibration file.
+};
+
+struct DatasetOptions {
+  std::optional<DatasetFormat> format;               ///< Recognised where absent.
+  std::optional<std::filesystem::path> calibration;  ///< Kalibr camchain or OpenCV yaml (kPlain).
+  std::optional<std::filesystem::path> groundtruth;  ///< Found where the format says, if absent.
+  /// Frames start, start + stride, ... at most count of them (-1: all).
+  int start = 0;
+  int count = -1;
+  int stride = 1;
+  void Validate() const;
+};
+
+/// One stereo pair, gray, 8 bits.
+struct StereoFrame {
+  int64_t timestamp_ns = 0;
+  std::array<cv::Mat, 2> images;  ///< CV_8UC1, left and right, of the cameras' sizes.
+};
+
+/// A stereo sequence on disk: opened (listed, calibrated, checked for missing files), not loaded.
+struct Dataset {
+  struct Entry {
+    int64_t timestamp_ns = 0;
+    std::array<std::filesystem::path, 2> images;
+  };
+
+  std::filesystem::path root;
+  DatasetFormat format = DatasetFormat::kEuroc;
+  StereoRig rig;
+  std::vector<Entry> entries;
+  /// Poses of the rig's body; absent where the data set has none.
+  std::optional<Trajectory> groundtruth;
+
+  /// Throws Error naming the image where it cannot be read or has another size than its camera.
+  StereoFrame Read(std::size_t index) const;
+};
+
+/// Throws Error with one line that names the missing or malformed file.
+Dataset OpenDataset(const std::filesystem::path& path, const DatasetOptions& options);
+
+}  // namespace gluevo::vo
