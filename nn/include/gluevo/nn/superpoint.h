@@ -1,0 +1,104 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "gluevo/nn/features.h"
+#include "gluevo/nn/isa.h"
+#include "gluevo/nn/tensor.h"
+#include "gluevo/nn/weights.h"
+#include "gluevo/nn/workspace.h"
+
+namespace gluevo::nn {
+
+namespace kernels {
+struct Kernels;
+}
+
+/// A gray image that somebody else owns, 8 bits a pixel.
+struct GrayImage {
+  const uint8_t* data = nullptr;
+  int width = 0;              ///< Pixels.
+  int height = 0;             ///< Pixels.
+  std::ptrdiff_t stride = 0;  ///< Bytes from one row to the next.
+};
+
+struct SuperPointOptions {
+  /// Keypoints have a score above this, 0 to 1.
+  float keypoint_threshold = 0.005F;
+  /// Radius in pixels of non-maximum suppression.
+  int nms_radius = 4;
+  /// Keypoints closer than this to the border of the score map are dropped, pixels.
+  int border = 4;
+  /// The best so many are kept.
+  int max_keypoints = 1024;
+
+  /// Throws Error naming the field that is out of range.
+  void Validate() const;
+};
+
+/// SuperPoint (DeTone, Malisiewicz and Rabinovich 2018): keypoints and descriptors of an image. The
+/// widths of all layers are those of the weights; sides of an image that are no multiple of 8 lose
+/// their last rows or columns to the pooling, as in the published code.
+class SuperPoint {
+ public:
+  /// Both views live in the workspace until its next use.
+  struct DenseMaps {
+    TensorView<float> scores;       ///< [8 h x 8 w]: keypoint probability of each pixel.
+    TensorView<float> descriptors;  ///< [h x w x D]: of each 8 x 8 cell, unit length.
+  };
+
+  /// Throws Error naming the file and the tensor for weights that are not a SuperPoint's.
+  explicit SuperPoint(const Weights& weights, Isa isa = ChooseIsa());
+
+  /// D, 256 in all published forms.
+  int descriptor_size() const { return descriptor_size_; }
+
+  /// Throws Error for an image smaller than 8 x 8 pixels.
+  DenseMaps Dense(const GrayImage& image, Workspace& workspace) const;
+
+  /// Keypoints in order of falling score, with their descriptors. Throws Error for bad options or
+  /// an image smaller than 8 x 8 pixels.
+  void Extract(const GrayImage& image, const SuperPointOptions& options, Workspace& workspace,
+               Features& features) const;
+
+  /// Descriptors at given positions: fills `features.descriptors` for the `features.keypoints` (N x
+  /// 2, pixels) that are there; positions outside the image get the nearest cell's. The scores are
+  /// the score map's at the nearest pixel.
+  void Describe(const GrayImage& image, Workspace& workspace, Features& features) const;
+
+ private:
+  struct Convolution {
+    int64_t in_channels = 0;
+    int64_t out_channels = 0;
+    Tensor<float> weights;  // Packed by kernels::PackConv3x3 or PackMatrix.
+    Tensor<float> bias;     // Padded to whole blocks.
+  };
+  static constexpr int kTrunkLayers = 8;
+
+  static Convolution Load(const Weights& weights, const char* name, int64_t kernel_size,
+                          int64_t in_channels);
+
+  const kernels::Kernels* kernels_;
+  std::vector<Convolution> trunk_;  // 1a to 4b
+  Convolution detector_a_, detector_b_, descriptor_a_, descriptor_b_;
+  int descriptor_size_ = 0;
+};
+
+/// The score map's keypoints (row * width + column, in order of falling score, equal ones in order
+/// of position): non-maximum suppression as published (repeated max-pooling with two extra passes,
+/// so that points freed by a suppressed neighbour come back), then threshold, border and the best
+/// max_keypoints. `scores` [height x width].
+void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& options,
+                     Workspace& workspace, std::vector<int64_t>& keypoints);
+
+/// Descriptors [N x D] at keypoints [N x 2] by bilinear interpolation of the dense map [h x w x D]
+/// and normalisation to unit length: the published sampling, which puts keypoint k of an image at
+/// ((k - 3.5) / (8 s - 4.5)) (s - 1) of a map with side s.
+void SampleDescriptors(TensorView<const float> map,
+                       const Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>& keypoints,
+                       Features::RowMajor& descriptors);
+
+}  // namespace gluevo::nn
