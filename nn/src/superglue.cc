@@ -335,6 +335,7 @@ TensorView<float> SuperGlue::LogAssignment(const Features& features0, const Feat
   constexpr int64_t kRows = 42;
   pool.ParallelFor((n0 + kRows - 1) / kRows, [&](int64_t band, int /*worker*/) {
     kernels_->matmul({.a0 = projected.data(),
+                      .a0_stride = size_,
                       .k0 = size_,
                       .b = packed.data(),
                       .c = scores.data(),

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 namespace gluevo {
 
@@ -10,5 +12,9 @@ class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+/// Text out of a file as it may stand in a one-line message: in double quotes, anything that is not
+/// printable ASCII as \xNN, at most 100 characters of it.
+std::string Quoted(std::string_view text);
 
 }  // namespace gluevo

@@ -29,14 +29,17 @@ struct Weights {
 
 /// Reads a .safetensors or .npz file; which of the two is told by its first bytes, not its name.
 /// Throws Error with file and byte offset for anything malformed: sizes and offsets out of bounds,
-/// overlaps, duplicate names, trailing bytes, element types other than F32, F16, BF16.
+/// gaps, overlaps, duplicate names, trailing bytes, NaN and infinity, element types other than F32,
+/// F16, BF16 (in .npz '<f4', '<f2' and '<f8', narrowed to float). The integer counters
+/// "....num_batches_tracked" that published checkpoints carry from training are left out.
 Weights ReadWeights(const std::filesystem::path& path);
 
 /// The same from memory; `source` names it in messages.
 Weights ParseWeights(const void* bytes, std::size_t size, const std::string& source);
 
 /// Writes F32 safetensors: tensors in the order of their names, a deterministic header, 8-byte
-/// aligned data; beside its place first, then renamed. Throws Error where it cannot be written.
+/// aligned data; beside its place first, then renamed. Throws Error where it cannot be written and
+/// for what could not be read back: NaN, infinity, names that are not UTF-8.
 void WriteSafetensors(const std::filesystem::path& path, const Weights& weights);
 
 /// The project's own open weights, carried inside the library (see nn/open_weights/README.md).

@@ -1,0 +1,261 @@
+#include "zip.h"
+
+#define ZLIB_CONST  // zlib then takes its input as constant.
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstring>
+#include <set>
+
+#include "gluevo/nn/error.h"
+
+namespace gluevo::nn {
+namespace {
+
+constexpr uint32_t kLocalSignature = 0x04034b50;
+constexpr uint32_t kCentralSignature = 0x02014b50;
+constexpr uint32_t kEndSignature = 0x06054b50;
+constexpr uint64_t kLocalSize = 30;
+constexpr uint64_t kCentralSize = 46;
+constexpr uint64_t kEndSize = 22;
+constexpr uint32_t kZip64Mark = 0xffffffff;
+constexpr uint16_t kEncrypted = 1U << 0;
+constexpr uint16_t kDescriptorFollows = 1U << 3;
+// Signature, CRC and two sizes of eight bytes: the longest data descriptor.
+constexpr uint64_t kLongestDescriptor = 24;
+
+// Deflate turns one bit into at most 129 bytes (zlib's technical details: 1032 to 1), which zeros
+// come close to. A whole archive of weights does not: it may be small, or else not inflate a
+// hundredfold.
+constexpr uint64_t kDeflateLimit = 1032;
+constexpr uint64_t kFreeSize = uint64_t{64} << 20;
+constexpr uint64_t kArchiveLimit = 100;
+
+uint64_t FindEnd(const Bytes& file) {
+  // A comment of up to 65535 bytes may follow the end record.
+  const uint64_t last = file.size() < kEndSize ? 0 : file.size() - kEndSize;
+  const uint64_t first = last > 0xffff ? last - 0xffff : 0;
+  if (file.size() >= kEndSize) {
+    for (uint64_t at = last + 1; at-- > first;) {
+      if (file.U32(at, "the archive") == kEndSignature &&
+          file.U16(at + 20, "the archive") == last - at) {
+        return at;
+      }
+    }
+  }
+  file.Fail(file.size(),
+            "the zip archive has no end record here: it is cut short or has trailing bytes");
+}
+
+// Where the data of an entry begin, after its local header; the header must agree with the entry.
+uint64_t CheckLocalHeader(const Bytes& file, const ZipEntry& entry, uint16_t flags,
+                          uint16_t method) {
+  const std::string what = "the local header of " + Quoted(entry.name);
+  if (file.U32(entry.at, what) != kLocalSignature) {
+    file.Fail(entry.at, what + " is not here");
+  }
+  const Bytes header = file.Slice(entry.at, kLocalSize, what);
+  const uint16_t name_size = header.U16(26, what);
+  const Bytes name = file.Slice(entry.at + kLocalSize, name_size, what);
+  const std::string local_name(reinterpret_cast<const char*>(name.data()), name_size);
+  if (local_name != entry.name) {
+    file.Fail(entry.at, what + " names it " + Quoted(local_name));
+  }
+  if (header.U16(6, what) != flags || header.U16(8, what) != method) {
+    file.Fail(entry.at, what + " has other flags or another method than the central directory");
+  }
+  if ((flags & kDescriptorFollows) == 0) {
+    // numpy writes the zip64 mark here even for small arrays.
+    const uint32_t packed = header.U32(18, what);
+    const uint32_t size = header.U32(22, what);
+    if (header.U32(14, what) != entry.crc ||
+        (packed != kZip64Mark && packed != entry.stored.size()) ||
+        (size != kZip64Mark && size != entry.size)) {
+      file.Fail(entry.at, what + " has another CRC or size than the central directory");
+    }
+  }
+  return entry.at + kLocalSize + name_size + header.U16(28, what);
+}
+
+void CheckBombs(const Bytes& file, const std::vector<ZipEntry>& entries) {
+  uint64_t total = 0;
+  for (const ZipEntry& entry : entries) {
+    total += entry.size;
+    if (entry.size > kDeflateLimit * entry.stored.size() + kDeflateLimit) {
+      file.Fail(entry.at, "entry " + Quoted(entry.name) + " claims to inflate from " +
+                              std::to_string(entry.stored.size()) + " to " +
+                              std::to_string(entry.size) + " bytes, which deflate cannot reach");
+    }
+    if (total > kFreeSize + kArchiveLimit * file.size()) {
+      file.Fail(entry.at, "with entry " + Quoted(entry.name) + " the archive inflates to " +
+                              std::to_string(total) + " bytes, more than " +
+                              std::to_string(kArchiveLimit) + " times its size");
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
+  const uint64_t end = FindEnd(file);
+  const Bytes record = file.Slice(end, kEndSize, "the end record");
+  const uint16_t count = record.U16(10, "the end record");
+  const uint32_t directory_size = record.U32(12, "the end record");
+  const uint32_t directory_at = record.U32(16, "the end record");
+  if (count == 0xffff || directory_size == kZip64Mark || directory_at == kZip64Mark) {
+    file.Fail(end, "the zip archive is in the zip64 form, expected one below 4 GB");
+  }
+  if (record.U16(4, "") != 0 || record.U16(6, "") != 0 || record.U16(8, "") != count) {
+    file.Fail(end, "the zip archive is spread over several disks");
+  }
+  if (uint64_t{directory_at} + directory_size != end) {
+    file.Fail(end, "the central directory is said to be " + std::to_string(directory_size) +
+                       " bytes at byte " + std::to_string(directory_at) +
+                       ", expected it to end here");
+  }
+
+  struct Placed {
+    ZipEntry entry;
+    uint64_t data_end;
+    uint64_t slack;
+  };
+  std::vector<Placed> placed;
+  std::set<std::string> names;
+  uint64_t at = directory_at;
+  for (int i = 0; i < count; ++i) {
+    const std::string what = "entry " + std::to_string(i) + " of the central directory";
+    const Bytes central = file.Slice(at, kCentralSize, what);
+    if (at + kCentralSize > end || central.U32(0, what) != kCentralSignature) {
+      file.Fail(at, what + " is not here");
+    }
+    const uint16_t name_size = central.U16(28, what);
+    const uint64_t next =
+        at + kCentralSize + name_size + central.U16(30, what) + central.U16(32, what);
+    if (next > end) {
+      file.Fail(at, what + " reaches beyond the directory");
+    }
+    const std::string name(
+        reinterpret_cast<const char*>(file.Slice(at + kCentralSize, name_size, what).data()),
+        name_size);
+    const uint16_t flags = central.U16(8, what);
+    const uint16_t method = central.U16(10, what);
+    const uint32_t packed = central.U32(20, what);
+    const uint32_t size = central.U32(24, what);
+    if (!names.insert(name).second) {
+      file.Fail(at, "the name " + Quoted(name) + " comes twice");
+    }
+    if ((flags & kEncrypted) != 0) {
+      file.Fail(at, "entry " + Quoted(name) + " is encrypted");
+    }
+    if (method != 0 && method != Z_DEFLATED) {
+      file.Fail(at, "entry " + Quoted(name) + " is compressed by method " + std::to_string(method) +
+                        ", expected 0 (stored) or 8 (deflate)");
+    }
+    if (packed == kZip64Mark || size == kZip64Mark || central.U32(42, what) == kZip64Mark) {
+      file.Fail(at, "entry " + Quoted(name) + " is in the zip64 form, expected one below 4 GB");
+    }
+    if (method == 0 && packed != size) {
+      file.Fail(at, "entry " + Quoted(name) + " is stored but its two sizes differ: " +
+                        std::to_string(packed) + " and " + std::to_string(size));
+    }
+    ZipEntry entry{.name = name,
+                   .at = central.U32(42, what),
+                   .stored = file.Slice(0, 0, what),
+                   .deflated = method != 0,
+                   .size = size,
+                   .crc = central.U32(16, what)};
+    if (entry.at >= directory_at) {
+      file.Fail(at, "entry " + Quoted(name) + " is said to be at byte " + std::to_string(entry.at) +
+                        ", within or after the central directory");
+    }
+    // Checked for its bounds first, as the local header is compared with its size.
+    entry.stored = file.Slice(entry.at, packed, "entry " + Quoted(name));
+    const uint64_t data = CheckLocalHeader(file, entry, flags, method);
+    entry.stored = file.Slice(data, packed, "entry " + Quoted(name));
+    placed.push_back({entry, data + packed,
+                      (flags & kDescriptorFollows) != 0 ? kLongestDescriptor : uint64_t{0}});
+    at = next;
+  }
+  if (at != end) {
+    file.Fail(at, std::to_string(end - at) + " bytes of the central directory belong to no entry");
+  }
+
+  std::vector<ZipEntry> entries;
+  entries.reserve(placed.size());
+  for (const Placed& item : placed) {
+    entries.push_back(item.entry);
+  }
+  std::sort(placed.begin(), placed.end(),
+            [](const Placed& a, const Placed& b) { return a.entry.at < b.entry.at; });
+  uint64_t covered = 0;
+  uint64_t slack = 0;
+  for (const Placed& item : placed) {
+    if (item.entry.at < covered) {
+      file.Fail(item.entry.at, "entry " + Quoted(item.entry.name) + " overlaps another");
+    }
+    if (item.entry.at - covered > slack) {
+      file.Fail(covered, std::to_string(item.entry.at - covered) + " bytes before entry " +
+                             Quoted(item.entry.name) + " belong to no entry");
+    }
+    covered = item.data_end;
+    slack = item.slack;
+  }
+  if (covered > directory_at) {
+    file.Fail(directory_at, "the last entry overlaps the central directory");
+  }
+  if (directory_at - covered > slack) {
+    file.Fail(covered, std::to_string(directory_at - covered) +
+                           " bytes before the central directory belong to no entry");
+  }
+  CheckBombs(file, entries);
+  return entries;
+}
+
+namespace {
+
+std::unique_ptr<unsigned char[]> Inflate(const ZipEntry& entry) {
+  const std::string subject = "entry " + Quoted(entry.name);
+  // One byte more than wanted, so that a stream that goes on is noticed.
+  auto inflated = std::make_unique<unsigned char[]>(entry.size + 1);
+  z_stream stream = {};
+  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) {
+    throw Error("zlib cannot be started");
+  }
+  stream.next_in = entry.stored.data();
+  stream.avail_in = static_cast<uInt>(entry.stored.size());
+  stream.next_out = inflated.get();
+  stream.avail_out = static_cast<uInt>(entry.size + 1);
+  const int result = inflate(&stream, Z_FINISH);
+  const uint64_t consumed = entry.stored.size() - stream.avail_in;
+  const uint64_t produced = stream.total_out;
+  inflateEnd(&stream);
+  if (produced > entry.size) {
+    entry.stored.Fail(consumed, subject + " inflates to more than the " +
+                                    std::to_string(entry.size) + " bytes of its header");
+  }
+  if (result != Z_STREAM_END) {
+    entry.stored.Fail(consumed, subject + " is not a whole deflate stream");
+  }
+  if (produced != entry.size) {
+    entry.stored.Fail(consumed, subject + " inflates to " + std::to_string(produced) +
+                                    " bytes, expected " + std::to_string(entry.size));
+  }
+  if (consumed != entry.stored.size()) {
+    entry.stored.Fail(consumed, subject + " has " + std::to_string(entry.stored.size() - consumed) +
+                                    " trailing bytes after its deflate stream");
+  }
+  return inflated;
+}
+
+}  // namespace
+
+ZipData::ZipData(const ZipEntry& entry)
+    : inflated_(entry.deflated ? Inflate(entry) : nullptr),
+      bytes_(entry.deflated ? entry.stored.Inflated(inflated_.get(), entry.size) : entry.stored) {
+  const uLong crc = crc32_z(crc32(0, nullptr, 0), bytes_.data(), bytes_.size());
+  if (crc != entry.crc) {
+    entry.stored.Fail(0, "entry " + Quoted(entry.name) + " fails its CRC: the file is damaged");
+  }
+}
+
+}  // namespace gluevo::nn

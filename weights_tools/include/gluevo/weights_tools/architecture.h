@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "gluevo/nn/weights.h"
+
+namespace gluevo::weights_tools {
+
+/// Channels of a SuperPoint.
+struct SuperPointArchitecture {
+  /// Output channels of conv1a, conv1b, conv2a, ... conv4b.
+  std::array<int64_t, 8> widths = {};
+  /// Output channels of convPa and convDa.
+  int64_t detector_width = 0;
+  int64_t descriptor_width = 0;
+  /// Output channels of convDb.
+  int64_t descriptor_size = 0;
+};
+
+/// Layers and channels of a SuperGlue.
+struct SuperGlueArchitecture {
+  /// Output channels of the keypoint encoder's hidden layers.
+  std::vector<int64_t> keypoint_encoder;
+  int64_t descriptor_size = 0;
+  /// Layers of the graph network, self and cross attention in turns.
+  int layers = 0;
+  /// Attention heads. No tensor tells their number: as the metadata say, or else 4, as published.
+  int heads = 4;
+  bool heads_assumed = true;
+};
+
+using Architecture = std::variant<SuperPointArchitecture, SuperGlueArchitecture>;
+
+/// What network these weights are, from the names and shapes of canonical tensors. Throws Error,
+/// naming file and tensor, unless every tensor of one network is there in a shape that fits the
+/// others, and none besides.
+Architecture ReadArchitecture(const nn::Weights& weights);
+
+/// "superpoint" or "superglue".
+std::string NetworkName(const Architecture& architecture);
+
+/// The entries of a converted file's metadata that tell the architecture: "architecture", and
+/// numbers in decimal, several separated by spaces.
+std::map<std::string, std::string> ArchitectureMetadata(const Architecture& architecture);
+
+}  // namespace gluevo::weights_tools

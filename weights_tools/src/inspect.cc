@@ -1,0 +1,150 @@
+#include "gluevo/weights_tools/inspect.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <variant>
+
+#include "gluevo/weights_tools/architecture.h"
+
+namespace gluevo::weights_tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Identity {
+  std::optional<Architecture> architecture;
+  std::string problem;
+};
+
+Identity Identify(const nn::Weights& weights) {
+  try {
+    return {ReadArchitecture(weights), ""};
+  } catch (const Error& error) {
+    return {std::nullopt, error.what()};
+  }
+}
+
+int64_t CountParameters(const nn::Weights& weights) {
+  int64_t count = 0;
+  for (const auto& [name, tensor] : weights.tensors) {
+    count += tensor.size();
+  }
+  return count;
+}
+
+// Texts of a file must not steer the terminal.
+std::string Printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
+  return text;
+}
+
+std::string Describe(const Architecture& architecture) {
+  std::ostringstream text;
+  const auto metadata = ArchitectureMetadata(architecture);
+  if (const auto* superpoint = std::get_if<SuperPointArchitecture>(&architecture)) {
+    text << "SuperPoint, widths " << metadata.at("widths") << ", detector head "
+         << superpoint->detector_width << ", descriptor head " << superpoint->descriptor_width
+         << ", descriptors of " << superpoint->descriptor_size;
+  } else if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&architecture)) {
+    text << "SuperGlue, " << superglue->layers << " layers of " << superglue->descriptor_size
+         << ", " << superglue->heads << " heads" << (superglue->heads_assumed ? " (assumed)" : "")
+         << ", keypoint encoder " << metadata.at("keypoint_encoder");
+  }
+  return text.str();
+}
+
+}  // namespace
+
+std::string InspectionText(const nn::Weights& weights) {
+  const Identity identity = Identify(weights);
+  std::ostringstream text;
+  const auto line = [&text](const std::string& name, const std::string& value) {
+    text << std::left << std::setw(14) << name << Printable(value) << '\n';
+  };
+  line("file", weights.source);
+  line("sha256", weights.checksum);
+  line("architecture",
+       identity.architecture ? Describe(*identity.architecture) : "unknown: " + identity.problem);
+  const auto architecture = identity.architecture ? ArchitectureMetadata(*identity.architecture)
+                                                  : std::map<std::string, std::string>();
+  for (const auto& [name, value] : weights.metadata) {
+    if (!architecture.contains(name)) {
+      line(name, value);
+    }
+  }
+  line("tensors", std::to_string(weights.tensors.size()));
+  line("parameters", std::to_string(CountParameters(weights)));
+
+  std::size_t name_width = 0;
+  std::size_t shape_width = 0;
+  for (const auto& [name, tensor] : weights.tensors) {
+    name_width = std::max(name_width, name.size());
+    shape_width = std::max(shape_width, tensor.shape().ToString().size());
+  }
+  text << '\n';
+  for (const auto& [name, tensor] : weights.tensors) {
+    text << std::left << std::setw(static_cast<int>(name_width)) << Printable(name) << "  "
+         << std::setw(static_cast<int>(shape_width)) << tensor.shape().ToString() << std::right;
+    if (tensor.size() > 0) {
+      const auto [least, most] = std::minmax_element(tensor.data(), tensor.data() + tensor.size());
+      text << std::setprecision(4) << std::setw(12) << *least << " .. " << *most;
+    }
+    text << '\n';
+  }
+  return text.str();
+}
+
+std::string InspectionJson(const nn::Weights& weights) {
+  const Identity identity = Identify(weights);
+  Json json;
+  json["file"] = weights.source;
+  json["sha256"] = weights.checksum;
+  json["architecture"] = nullptr;
+  if (!identity.architecture) {
+    json["problem"] = identity.problem;
+  } else if (const auto* superpoint =
+                 std::get_if<SuperPointArchitecture>(&*identity.architecture)) {
+    json["architecture"] = {{"network", "superpoint"},
+                            {"widths", superpoint->widths},
+                            {"detector_width", superpoint->detector_width},
+                            {"descriptor_width", superpoint->descriptor_width},
+                            {"descriptor_size", superpoint->descriptor_size}};
+  } else if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&*identity.architecture)) {
+    json["architecture"] = {{"network", "superglue"},
+                            {"keypoint_encoder", superglue->keypoint_encoder},
+                            {"descriptor_size", superglue->descriptor_size},
+                            {"layers", superglue->layers},
+                            {"heads", superglue->heads},
+                            {"heads_assumed", superglue->heads_assumed}};
+  }
+  for (const char* name : {"source", "licence", "note"}) {
+    const auto found = weights.metadata.find(name);
+    json[name] = found == weights.metadata.end() ? Json(nullptr) : Json(found->second);
+  }
+  json["metadata"] = weights.metadata;
+  json["parameters"] = CountParameters(weights);
+  json["tensors"] = Json::array();
+  for (const auto& [name, tensor] : weights.tensors) {
+    Json entry = {{"name", name}, {"shape", Json::array()}};
+    for (int axis = 0; axis < tensor.shape().rank(); ++axis) {
+      entry["shape"].push_back(tensor.extent(axis));
+    }
+    entry["minimum"] = nullptr;
+    entry["maximum"] = nullptr;
+    if (tensor.size() > 0) {
+      const auto [least, most] = std::minmax_element(tensor.data(), tensor.data() + tensor.size());
+      entry["minimum"] = *least;
+      entry["maximum"] = *most;
+    }
+    json["tensors"].push_back(std::move(entry));
+  }
+  // Names of .npz entries and paths need not be UTF-8.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace gluevo::weights_tools

@@ -1,0 +1,93 @@
+// The command gluevo-weights.
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gluevo/nn/weights.h"
+#include "gluevo/weights_tools/architecture.h"
+#include "gluevo/weights_tools/convert.h"
+#include "gluevo/weights_tools/inspect.h"
+
+namespace gluevo::weights_tools {
+namespace {
+
+struct ConvertArguments {
+  std::vector<std::filesystem::path> inputs;
+  std::filesystem::path output;
+  ConvertOptions options;
+};
+
+struct InspectArguments {
+  std::filesystem::path file;
+  bool json = false;
+};
+
+void AddConvert(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "convert", "Convert the weights of one network to the form that gluevo runs");
+  const auto arguments = std::make_shared<ConvertArguments>();
+  command->add_option("IN", arguments->inputs, "Weights: .safetensors or .npz; several for parts")
+      ->required();
+  command->add_option("-o,--output", arguments->output, "The .safetensors file to write")
+      ->required();
+  command->add_option("--source", arguments->options.source,
+                      "Text for the metadata: where the weights come from");
+  command->add_option("--licence", arguments->options.licence,
+                      "Text for the metadata: under what licence they stand");
+  command->add_option("--note", arguments->options.note, "Text for the metadata: anything else");
+  command->footer(
+      "Example:\n  gluevo-weights convert superglue_outdoor.npz -o superglue.safetensors");
+  command->callback([arguments] {
+    const nn::Weights weights = Convert(arguments->inputs, arguments->options);
+    nn::WriteSafetensors(arguments->output, weights);
+    std::cerr << "wrote " << arguments->output.string() << ": "
+              << weights.metadata.at("architecture") << ", " << weights.tensors.size()
+              << " tensors\n";
+  });
+}
+
+void AddInspect(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("inspect", "Show what a weights file holds and where it comes from");
+  const auto arguments = std::make_shared<InspectArguments>();
+  command->add_option("FILE", arguments->file, "Weights: .safetensors or .npz")->required();
+  command->add_flag("--json", arguments->json, "Print JSON instead of a table");
+  command->footer("Example:\n  gluevo-weights inspect superglue.safetensors --json");
+  command->callback([arguments] {
+    const nn::Weights weights = nn::ReadWeights(arguments->file);
+    std::cout << (arguments->json ? InspectionJson(weights) : InspectionText(weights))
+              << std::flush;
+    if (!std::cout) {
+      throw Error("standard output: cannot be written");
+    }
+  });
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("Converts and inspects the weights of SuperPoint and SuperGlue", "gluevo-weights");
+  app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
+  app.require_subcommand(1);
+  app.footer("Example:\n  gluevo-weights inspect superpoint.safetensors");
+  AddConvert(app);
+  AddInspect(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    constexpr int kBadUsage = 2;
+    return app.exit(error) == 0 ? 0 : kBadUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "gluevo-weights: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace gluevo::weights_tools
+
+int main(int argc, char** argv) { return gluevo::weights_tools::Run(argc, argv); }
