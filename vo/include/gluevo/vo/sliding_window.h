@@ -1,0 +1,124 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "gluevo/vo/camera.h"
+#include "gluevo/vo/frontend.h"
+#include "gluevo/vo/pnp.h"
+#include "gluevo/vo/rigid3.h"
+#include "gluevo/vo/triangulation.h"
+
+namespace gluevo::vo {
+
+struct SlidingWindowOptions {
+  /// Frames in the window, the newest included.
+  int size = 11;
+  /// Standard deviation of a keypoint, normalised plane.
+  double noise = 1.5 / 460.0;
+  /// Huber threshold of the reprojection residuals, in standard deviations.
+  double huber = 1.0;
+  /// Limit of the solver. By count and never by time, so that results repeat.
+  int max_iterations = 8;
+  /// Landmarks with a larger mean reprojection error (normalised plane, both cameras) are dropped.
+  double max_mean_error = 3.0 / 460.0;
+  /// A frame is a key frame when its tracks have moved this much, on average, since the last key
+  /// frame (normalised plane) ...
+  double keyframe_parallax = 10.0 / 460.0;
+  /// ... or fewer tracks than this were followed ...
+  int min_tracked = 20;
+  /// ... or fewer than this were followed that have at least `long_track` observations ...
+  int min_long_tracked = 40;
+  int long_track = 4;
+  /// ... or there are more new tracks than this times those that were followed.
+  double max_new_share = 0.5;
+  TriangulationOptions triangulation;
+
+  /// Throws Error naming the option.
+  void Validate() const;
+};
+
+/// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
+/// without the inertial part). Landmarks are known by inverse depth along the ray of their anchor,
+/// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
+/// is the gauge.
+class SlidingWindow {
+ public:
+  SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options);
+
+  bool empty() const { return frames_.empty(); }
+  /// The newest frame's. The window must not be empty.
+  const Rigid3& world_from_body() const { return frames_.back().world_from_body; }
+  bool newest_is_keyframe() const { return frames_.back().is_keyframe; }
+  /// Landmarks that have a depth.
+  std::size_t CountLandmarks() const;
+
+  /// An observation of a frame that is not in the window yet, with the landmark it belongs to.
+  struct Correspondence {
+    std::size_t observation = 0;  ///< Index into TrackedFrame::observations.
+    PnpObservation pnp;
+  };
+  /// Those observations of `frame` whose landmarks have a depth.
+  std::vector<Correspondence> Correspond(const TrackedFrame& frame) const;
+
+  /// Adds the newest frame and decides whether it is a key frame. `verdicts`, one an observation
+  /// where known: an outlier starts a new landmark instead of spoiling the old one, a wrong right
+  /// view is left out.
+  void AddFrame(const TrackedFrame& frame, const Rigid3& world_from_body,
+                const std::vector<std::optional<PnpVerdict>>& verdicts);
+  /// Gives a depth to landmarks that have none and can be triangulated, from one frame's stereo or
+  /// from several frames.
+  void Triangulate();
+  /// Bundle adjustment. Throws nothing: where the solver fails the window stays as it was, and the
+  /// answer is false.
+  bool Optimize();
+  /// Drops landmarks that fit badly or came to lie behind a camera that sees them.
+  void RemoveOutliers();
+  /// Makes room for the next frame: where the window is full, drops the newest but one if it is no
+  /// key frame (and tracking has not just broken down), else the oldest.
+  void Slide();
+
+ private:
+  struct Frame {
+    int64_t id = 0;
+    Rigid3 world_from_body;
+    bool is_keyframe = false;
+    bool lost_tracks = false;  // so few tracks came through that the frame before matters
+  };
+  struct LandmarkView {
+    int64_t frame_id = 0;
+    Eigen::Vector2d left = Eigen::Vector2d::Zero();  // normalised plane
+    std::optional<Eigen::Vector2d> right;
+  };
+  struct Landmark {
+    int64_t track_id = 0;
+    std::vector<LandmarkView> views;      // in order of frames; the first is the anchor
+    std::optional<double> inverse_depth;  // 1/m, in the anchor's left view; positive
+  };
+  using Landmarks = std::map<int64_t, Landmark>;
+
+  std::size_t FrameIndex(int64_t frame_id) const;
+  const Frame& FrameOf(const LandmarkView& view) const { return frames_[FrameIndex(view.frame_id)]; }
+  AnchoredPoint ToAnchoredPoint(const Landmark& landmark) const;
+  void DecideKeyframe(std::size_t new_tracks);
+  double MeanParallax(int64_t frame_id0, int64_t frame_id1) const;
+  std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
+  void DropFrame(std::size_t index);
+  Landmarks::iterator Erase(Landmarks::iterator landmark);
+
+  StereoRig rig_;
+  SlidingWindowOptions options_;
+  std::deque<Frame> frames_;
+  Landmarks landmarks_;  // by a number of their own: a track may have had several
+  std::unordered_map<int64_t, int64_t> landmark_of_track_;
+  int64_t next_frame_id_ = 0;
+  int64_t next_landmark_id_ = 0;
+};
+
+}  // namespace gluevo::vo

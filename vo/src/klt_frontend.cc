@@ -1,0 +1,213 @@
+#include "gluevo/vo/klt_frontend.h"
+
+#include <algorithm>
+#include <chrono>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <string>
+#include <utility>
+
+#include "options_check.h"
+
+namespace gluevo::vo {
+namespace {
+
+double MsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+std::vector<cv::Mat> Pyramid(const cv::Mat& image, const KltOptions& options) {
+  std::vector<cv::Mat> pyramid;
+  cv::buildOpticalFlowPyramid(image, pyramid, {options.window, options.window}, options.levels);
+  return pyramid;
+}
+
+bool IsInside(const cv::Point2f& pixel, const cv::Size& size, int border) {
+  return pixel.x >= border && pixel.y >= border && pixel.x < size.width - border &&
+         pixel.y < size.height - border;
+}
+
+/// Where points of one image are in another, and which of them were found: forth and back.
+struct Flow {
+  std::vector<cv::Point2f> pixels;
+  std::vector<uchar> found;
+};
+
+Flow FollowBothWays(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
+                    const std::vector<cv::Point2f>& pixels, const std::vector<cv::Point2f>& guesses,
+                    const KltOptions& options) {
+  Flow flow{guesses, {}};
+  if (pixels.empty()) {
+    return flow;
+  }
+  const cv::Size window(options.window, options.window);
+  const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
+  std::vector<float> errors;
+  cv::calcOpticalFlowPyrLK(from, to, pixels, flow.pixels, flow.found, errors, window,
+                           options.levels, criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+  // On the way back the search starts at the answer: one level less coarse is enough to tell
+  // whether the point returns.
+  std::vector<cv::Point2f> returned = pixels;
+  std::vector<uchar> found_back;
+  cv::calcOpticalFlowPyrLK(to, from, flow.pixels, returned, found_back, errors, window, 1,
+                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const cv::Point2f miss = returned[i] - pixels[i];
+    flow.found[i] = flow.found[i] != 0 && found_back[i] != 0 &&
+                    IsInside(flow.pixels[i], to.front().size(), options.border) &&
+                    miss.dot(miss) <=
+                        options.max_return_distance * options.max_return_distance;
+  }
+  return flow;
+}
+
+Eigen::Vector2d ToEigen(const cv::Point2f& point) { return {point.x, point.y}; }
+
+}  // namespace
+
+void KltOptions::Validate() const {
+  CheckAtLeast(max_corners, 1, "klt.max_corners");
+  CheckAtLeast(min_distance, 1, "klt.min_distance");
+  CheckWithin(quality, 1e-9, 1.0, "klt.quality");
+  CheckAtLeast(window, 3, "klt.window");
+  CheckAtLeast(levels, 0, "klt.levels");
+  CheckPositive(max_return_distance, "klt.max_return_distance");
+  CheckAtLeast(border, 0, "klt.border");
+  CheckPositive(fundamental_distance, "klt.fundamental_distance");
+}
+
+KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
+    : rig_(rig), options_(options) {
+  options_.Validate();
+}
+
+TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
+  for (int camera = 0; camera < 2; ++camera) {
+    const cv::Mat& image = frame.images[camera];
+    const Camera& expected = rig_.cameras[camera];
+    if (image.type() != CV_8UC1 || image.cols != expected.width || image.rows != expected.height) {
+      throw Error("image of camera " + std::to_string(camera) + " is " +
+                  std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                  "; expected 8-bit gray, " + std::to_string(expected.width) + "x" +
+                  std::to_string(expected.height));
+    }
+  }
+  TrackedFrame result;
+  result.timestamp_ns = frame.timestamp_ns;
+  auto start = std::chrono::steady_clock::now();
+  std::vector<cv::Mat> left = Pyramid(frame.images[0], options_);
+  Follow(left);
+  result.stages_ms["klt_track"] = MsSince(start);
+  start = std::chrono::steady_clock::now();
+  AddCorners(frame.images[0]);
+  result.stages_ms["klt_detect"] = MsSince(start);
+  start = std::chrono::steady_clock::now();
+  MatchStereo(left, Pyramid(frame.images[1], options_), result);
+  result.stages_ms["klt_stereo"] = MsSince(start);
+  last_pyramid_ = std::move(left);
+  return result;
+}
+
+void KltFrontEnd::Follow(const std::vector<cv::Mat>& pyramid) {
+  std::vector<cv::Point2f> pixels;
+  std::vector<cv::Point2f> guesses;
+  for (const Corner& track : tracks_) {
+    pixels.push_back(track.pixel);
+    guesses.push_back(options_.predict ? track.pixel + track.motion : track.pixel);
+  }
+  const Flow flow = FollowBothWays(last_pyramid_, pyramid, pixels, guesses, options_);
+  std::vector<Corner> before;
+  std::vector<Corner> after;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (flow.found[i] != 0) {
+      before.push_back(tracks_[i]);
+      after.push_back({tracks_[i].id, tracks_[i].length + 1, flow.pixels[i],
+                       flow.pixels[i] - tracks_[i].pixel});
+    }
+  }
+  tracks_ = std::move(after);
+  if (options_.reject_by_fundamental) {
+    RejectByFundamental(before);
+  }
+}
+
+void KltFrontEnd::RejectByFundamental(const std::vector<Corner>& before) {
+  constexpr std::size_t kFewest = 8;
+  if (tracks_.size() < kFewest) {
+    return;
+  }
+  // Without distortion, at VINS-Fusion's virtual focal length.
+  const auto undistort = [&](const cv::Point2f& pixel) {
+    const Eigen::Vector2d point = 460.0 * rig_.cameras[0].Undistort(ToEigen(pixel));
+    return cv::Point2d(point.x(), point.y());
+  };
+  std::vector<cv::Point2d> points0, points1;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    points0.push_back(undistort(before[i].pixel));
+    points1.push_back(undistort(tracks_[i].pixel));
+  }
+  std::vector<uchar> inliers;
+  cv::findFundamentalMat(points0, points1, cv::FM_RANSAC, options_.fundamental_distance, 0.99,
+                         inliers);
+  if (inliers.size() != tracks_.size()) {
+    return;
+  }
+  std::vector<Corner> kept;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (inliers[i] != 0) {
+      kept.push_back(tracks_[i]);
+    }
+  }
+  tracks_ = std::move(kept);
+}
+
+void KltFrontEnd::AddCorners(const cv::Mat& image) {
+  std::stable_sort(
+      tracks_.begin(), tracks_.end(),
+      [](const Corner& a, const Corner& b) { return a.length > b.length; });
+  cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
+  std::vector<Corner> kept;
+  for (const Corner& track : tracks_) {
+    if (mask.at<uchar>(track.pixel) != 0) {
+      kept.push_back(track);
+      cv::circle(mask, track.pixel, options_.min_distance, cv::Scalar(0), cv::FILLED);
+    }
+  }
+  tracks_ = std::move(kept);
+  const int missing = options_.max_corners - static_cast<int>(tracks_.size());
+  if (missing <= 0) {
+    return;
+  }
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(image, corners, missing, options_.quality, options_.min_distance, mask);
+  for (const cv::Point2f& corner : corners) {
+    tracks_.push_back({next_id_++, 1, corner});
+  }
+}
+
+void KltFrontEnd::MatchStereo(const std::vector<cv::Mat>& left, const std::vector<cv::Mat>& right,
+                              TrackedFrame& result) const {
+  std::vector<cv::Point2f> pixels;
+  for (const Corner& track : tracks_) {
+    pixels.push_back(track.pixel);
+  }
+  const Flow flow = FollowBothWays(left, right, pixels, pixels, options_);
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Observation observation;
+    observation.track_id = tracks_[i].id;
+    observation.left_pixel = ToEigen(tracks_[i].pixel);
+    observation.left = rig_.cameras[0].Undistort(observation.left_pixel);
+    observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
+    if (flow.found[i] != 0) {
+      observation.has_right = true;
+      observation.right_pixel = ToEigen(flow.pixels[i]);
+      observation.right = rig_.cameras[1].Undistort(observation.right_pixel);
+      observation.stereo_confidence = 1.0F;
+    }
+    result.observations.push_back(observation);
+  }
+}
+
+}  // namespace gluevo::vo

@@ -1,0 +1,147 @@
+#include "gluevo/vo/odometry.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "options_check.h"
+
+namespace gluevo::vo {
+namespace {
+
+class Stopwatch {
+ public:
+  double ElapsedMs() const {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+        .count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+bool IsFinite(const Rigid3& pose) {
+  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
+}
+
+}  // namespace
+
+void OdometryOptions::Validate() const {
+  pnp.Validate();
+  window.Validate();
+  CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
+  CheckPositive(max_turn_deg_per_s, "max_turn_deg_per_s");
+}
+
+Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
+                   const OdometryOptions& options)
+    : rig_(rig), frontend_(std::move(frontend)), options_(options), window_(rig, options.window) {
+  options_.Validate();
+}
+
+FrameResult Odometry::Process(const StereoFrame& frame) {
+  if (last_ && frame.timestamp_ns <= last_->timestamp_ns) {
+    throw Error("frame at " + std::to_string(frame.timestamp_ns) +
+                " ns does not come after the one before, at " +
+                std::to_string(last_->timestamp_ns) + " ns");
+  }
+  const Stopwatch total;
+  TrackedFrame tracked = frontend_->Track(frame);
+  double frontend_ms = total.ElapsedMs();
+
+  std::optional<FramePose> pose = Locate(tracked);
+  while (!pose && !window_.empty()) {
+    const Stopwatch retry_watch;
+    std::optional<TrackedFrame> retried = frontend_->Retry();
+    frontend_ms += retry_watch.ElapsedMs();
+    if (!retried) {
+      break;
+    }
+    tracked = *std::move(retried);
+    pose = Locate(tracked);
+  }
+  if (!pose) {
+    pose = StartSegment(tracked);
+  }
+  FrameResult result;
+  result.tracked = static_cast<int>(std::count_if(
+      pose->verdicts.begin(), pose->verdicts.end(), [](const auto& v) { return v.has_value(); }));
+
+  window_.AddFrame(tracked, pose->world_from_body, pose->verdicts);
+  window_.Triangulate();
+  window_.Optimize();
+  window_.RemoveOutliers();
+  result.world_from_body = window_.world_from_body();
+  result.is_keyframe = window_.newest_is_keyframe();
+  result.landmarks = static_cast<int>(window_.CountLandmarks());
+  window_.Slide();
+
+  result.timestamp_ns = frame.timestamp_ns;
+  result.segment = segment_;
+  result.inliers = pose->inliers;
+  result.observations = static_cast<int>(tracked.observations.size());
+  result.stereo = static_cast<int>(
+      std::count_if(tracked.observations.begin(), tracked.observations.end(),
+                    [](const Observation& observation) { return observation.has_right; }));
+  result.stages_ms = tracked.stages_ms;
+  result.stages_ms["frontend"] = frontend_ms;
+  result.stages_ms["estimator"] = total.ElapsedMs() - frontend_ms;
+  last_but_one_ = std::exchange(last_, StampedPose{frame.timestamp_ns, result.world_from_body});
+  return result;
+}
+
+std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {
+  if (window_.empty()) {
+    return std::nullopt;
+  }
+  const std::vector<SlidingWindow::Correspondence> correspondences = window_.Correspond(frame);
+  std::vector<PnpObservation> observations;
+  observations.reserve(correspondences.size());
+  for (const SlidingWindow::Correspondence& correspondence : correspondences) {
+    observations.push_back(correspondence.pnp);
+  }
+  // Guesses only: RANSAC finds motions that are neither rest nor the last one repeated.
+  std::vector<Rigid3> guesses = {last_->world_from_body};
+  if (last_but_one_) {
+    guesses.push_back(last_->world_from_body * last_but_one_->world_from_body.Inverse() *
+                      last_->world_from_body);
+  }
+  const std::optional<PnpResult> pnp = SolvePnp(rig_, observations, guesses, options_.pnp);
+  if (!pnp || !IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
+    return std::nullopt;
+  }
+  FramePose pose{pnp->world_from_body, pnp->inliers, {}};
+  pose.verdicts.resize(frame.observations.size());
+  for (std::size_t i = 0; i < correspondences.size(); ++i) {
+    pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
+  }
+  return pose;
+}
+
+bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const {
+  const double seconds = static_cast<double>(timestamp_ns - last_->timestamp_ns) * 1e-9;
+  const Rigid3 motion = last_->world_from_body.Inverse() * world_from_body;
+  const double turn_deg = motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 /
+                          std::numbers::pi;
+  return IsFinite(world_from_body) &&
+         motion.translation.norm() <= options_.max_speed_m_per_s * seconds &&
+         (turn_deg <= options_.max_turn_deg_per_s * seconds);
+}
+
+Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
+  FramePose pose;
+  pose.verdicts.resize(frame.observations.size());
+  if (last_) {
+    // Where the rig was last seen is the best guess there is; the segment number says that it is
+    // one.
+    pose.world_from_body = last_->world_from_body;
+    ++segment_;
+  }
+  last_but_one_.reset();
+  window_ = SlidingWindow(rig_, options_.window);
+  return pose;
+}
+
+}  // namespace gluevo::vo

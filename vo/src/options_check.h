@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "gluevo/nn/error.h"
+
+namespace gluevo::vo {
+
+/// Each throws Error with the option's name, its value and what was expected.
+inline void CheckPositive(double value, const std::string& name) {
+  if (!(value > 0.0) || !std::isfinite(value)) {
+    throw Error("option " + name + " is " + std::to_string(value) + "; expected a positive number");
+  }
+}
+
+inline void CheckAtLeast(int value, int minimum, const std::string& name) {
+  if (value < minimum) {
+    throw Error("option " + name + " is " + std::to_string(value) + "; expected at least " +
+                std::to_string(minimum));
+  }
+}
+
+inline void CheckWithin(double value, double low, double high, const std::string& name) {
+  if (!(value >= low && value <= high)) {
+    throw Error("option " + name + " is " + std::to_string(value) + "; expected " +
+                std::to_string(low) + " to " + std::to_string(high));
+  }
+}
+
+}  // namespace gluevo::vo
