@@ -56,6 +56,22 @@ float* GrayPlane(const GrayImage& image, Arena& arena, ThreadPool& pool) {
   return plane.data();
 }
 
+// Where along one axis the parabola through the logarithms of the score at `index` and of its two
+// neighbours peaks, relative to it. `position` is the index on this axis, `step` the distance of
+// neighbours.
+float PeakOffset(TensorView<const float> scores, int64_t index, int64_t position, int64_t step) {
+  const int64_t extent = step == 1 ? scores.extent(1) : scores.extent(0);
+  if (position < 1 || position + 1 >= extent) {
+    return 0.0F;
+  }
+  constexpr float kLeast = 1e-9F;
+  const auto log_score = [&](int64_t i) { return std::log(std::max(scores[i], kLeast)); };
+  const float before = log_score(index - step);
+  const float after = log_score(index + step);
+  const float curvature = before + after - 2.0F * log_score(index);
+  return curvature < 0.0F ? std::clamp(0.5F * (before - after) / curvature, -0.5F, 0.5F) : 0.0F;
+}
+
 void NormalizeRow(float* row, int64_t size) {
   Eigen::Map<Eigen::VectorXf> vector(row, size);
   const float norm = vector.norm();
@@ -257,6 +273,11 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
     features.keypoints(row, 0) = static_cast<float>(selected[i] % width);
     features.keypoints(row, 1) = static_cast<float>(selected[i] / width);
     features.scores[row] = maps.scores[selected[i]];
+    if (options.subpixel) {
+      features.keypoints(row, 0) += PeakOffset(maps.scores, selected[i], selected[i] % width, 1);
+      features.keypoints(row, 1) +=
+          PeakOffset(maps.scores, selected[i], selected[i] / width, width);
+    }
   }
   SampleDescriptors(maps.descriptors, features.keypoints, features.descriptors);
 }

@@ -8,6 +8,32 @@
 #include "gluevo/vo/sliding_window.h"
 
 namespace gluevo::vo {
+namespace {
+
+// What the calibration says of the right camera's orientation: that it is right within `sigma`.
+class CalibrationPrior final : public ceres::SizedCostFunction<3, 3> {
+ public:
+  // `turn_so_far`: rotation vector from the calibrated to the present right camera, radians.
+  CalibrationPrior(const Eigen::Vector3d& turn_so_far, double sigma)
+      : turn_so_far_(turn_so_far), sigma_(sigma) {}
+
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override {
+    Eigen::Map<Eigen::Vector3d> residual(residuals);
+    residual = (turn_so_far_ + Eigen::Map<const Eigen::Vector3d>(parameters[0])) / sigma_;
+    if (jacobians != nullptr && jacobians[0] != nullptr) {
+      Eigen::Map<Eigen::Matrix3d> jacobian(jacobians[0]);
+      jacobian = Eigen::Matrix3d::Identity() / sigma_;
+    }
+    return true;
+  }
+
+ private:
+  Eigen::Vector3d turn_so_far_;
+  double sigma_;
+};
+
+}  // namespace
 
 bool SlidingWindow::Optimize() {
   if (frames_.size() < 2) {
@@ -30,6 +56,20 @@ bool SlidingWindow::Optimize() {
   }
   problem.SetParameterBlockConstant(poses.front().data());
 
+  // The left camera is the rig's reference; the right one's orientation may be refined.
+  std::array<Eigen::Vector3d, 2> turns = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  problem.AddParameterBlock(turns[0].data(), 3);
+  problem.AddParameterBlock(turns[1].data(), 3);
+  problem.SetParameterBlockConstant(turns[0].data());
+  if (options_.right_turn_sigma > 0.0) {
+    const Eigen::Quaterniond turn_so_far =
+        rig_.body_from_cam[1].rotation.conjugate() * calibrated_body_from_right_;
+    problem.AddResidualBlock(new CalibrationPrior(LogSo3(turn_so_far), options_.right_turn_sigma),
+                             nullptr, turns[1].data());
+  } else {
+    problem.SetParameterBlockConstant(turns[1].data());
+  }
+
   // The depths are eliminated first (Schur complement), in the order of the landmarks.
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   std::vector<std::pair<Landmark*, double>> depths;
@@ -47,7 +87,7 @@ bool SlidingWindow::Optimize() {
         if (view.right) {
           problem.AddResidualBlock(
               new SameFrameReprojection(right_from_left, anchor.left, *view.right, weight), &loss,
-              inverse_depth);
+              inverse_depth, turns[1].data());
         }
         continue;
       }
@@ -55,16 +95,18 @@ bool SlidingWindow::Optimize() {
       problem.AddResidualBlock(
           new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[0], anchor.left,
                                      view.left, weight),
-          &loss, anchor_pose, pose, inverse_depth);
+          &loss, anchor_pose, pose, inverse_depth, turns[0].data());
       if (view.right) {
         problem.AddResidualBlock(
             new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[1], anchor.left,
                                        *view.right, weight),
-            &loss, anchor_pose, pose, inverse_depth);
+            &loss, anchor_pose, pose, inverse_depth, turns[1].data());
       }
     }
     ordering->AddElementToGroup(inverse_depth, 0);
   }
+  ordering->AddElementToGroup(turns[0].data(), 1);
+  ordering->AddElementToGroup(turns[1].data(), 1);
   for (PoseParameters& pose : poses) {
     ordering->AddElementToGroup(pose.data(), 1);
   }
@@ -86,6 +128,8 @@ bool SlidingWindow::Optimize() {
   for (std::size_t i = 1; i < frames_.size(); ++i) {
     frames_[i].world_from_body = ToRigid3(poses[i].data());
   }
+  rig_.body_from_cam[1].rotation =
+      (rig_.body_from_cam[1].rotation * ExpSo3(turns[1]).conjugate()).normalized();
   for (const auto& [landmark, inverse_depth] : depths) {
     landmark->inverse_depth = inverse_depth;
   }

@@ -51,14 +51,13 @@ Flow FollowBothWays(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>
   // whether the point returns.
   std::vector<cv::Point2f> returned = pixels;
   std::vector<uchar> found_back;
-  cv::calcOpticalFlowPyrLK(to, from, flow.pixels, returned, found_back, errors, window, 1,
-                           criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+  cv::calcOpticalFlowPyrLK(to, from, flow.pixels, returned, found_back, errors, window, 1, criteria,
+                           cv::OPTFLOW_USE_INITIAL_FLOW);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const cv::Point2f miss = returned[i] - pixels[i];
     flow.found[i] = flow.found[i] != 0 && found_back[i] != 0 &&
                     IsInside(flow.pixels[i], to.front().size(), options.border) &&
-                    miss.dot(miss) <=
-                        options.max_return_distance * options.max_return_distance;
+                    miss.dot(miss) <= options.max_return_distance * options.max_return_distance;
   }
   return flow;
 }
@@ -164,9 +163,8 @@ void KltFrontEnd::RejectByFundamental(const std::vector<Corner>& before) {
 }
 
 void KltFrontEnd::AddCorners(const cv::Mat& image) {
-  std::stable_sort(
-      tracks_.begin(), tracks_.end(),
-      [](const Corner& a, const Corner& b) { return a.length > b.length; });
+  std::stable_sort(tracks_.begin(), tracks_.end(),
+                   [](const Corner& a, const Corner& b) { return a.length > b.length; });
   cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
   std::vector<Corner> kept;
   for (const Corner& track : tracks_) {

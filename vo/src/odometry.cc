@@ -66,8 +66,8 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     pose = StartSegment(tracked);
   }
   FrameResult result;
-  result.tracked = static_cast<int>(std::count_if(
-      pose->verdicts.begin(), pose->verdicts.end(), [](const auto& v) { return v.has_value(); }));
+  result.tracked = static_cast<int>(std::count_if(pose->verdicts.begin(), pose->verdicts.end(),
+                                                  [](const auto& v) { return v.has_value(); }));
 
   window_.AddFrame(tracked, pose->world_from_body, pose->verdicts);
   window_.Triangulate();
@@ -108,7 +108,7 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) c
     guesses.push_back(last_->world_from_body * last_but_one_->world_from_body.Inverse() *
                       last_->world_from_body);
   }
-  const std::optional<PnpResult> pnp = SolvePnp(rig_, observations, guesses, options_.pnp);
+  const std::optional<PnpResult> pnp = SolvePnp(window_.rig(), observations, guesses, options_.pnp);
   if (!pnp || !IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
     return std::nullopt;
   }
@@ -123,8 +123,8 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) c
 bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const {
   const double seconds = static_cast<double>(timestamp_ns - last_->timestamp_ns) * 1e-9;
   const Rigid3 motion = last_->world_from_body.Inverse() * world_from_body;
-  const double turn_deg = motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 /
-                          std::numbers::pi;
+  const double turn_deg =
+      motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi;
   return IsFinite(world_from_body) &&
          motion.translation.norm() <= options_.max_speed_m_per_s * seconds &&
          (turn_deg <= options_.max_turn_deg_per_s * seconds);

@@ -39,8 +39,7 @@ struct PosedCamera {
 struct PosedRig {
   PosedCamera left, right;
   PosedRig(const StereoRig& rig, const Rigid3& world_from_body)
-      : left(world_from_body, rig.body_from_cam[0]),
-        right(world_from_body, rig.body_from_cam[1]) {}
+      : left(world_from_body, rig.body_from_cam[0]), right(world_from_body, rig.body_from_cam[1]) {}
 };
 
 /// Residual of one view, and how far one standard deviation of the point's inverse depth moves it;
@@ -91,9 +90,9 @@ Judgement Judge(const PosedRig& rig, const PnpObservation& observation, double w
   ViewResidual right;
   if (observation.has_right &&
       Residual(rig.right, observation.point, observation.right, weight, right)) {
-    const double chi2 = Mahalanobis(r_r + right.error.squaredNorm(),
-                                    r_u + right.error.dot(right.by_depth),
-                                    u_u + right.by_depth.squaredNorm());
+    const double chi2 =
+        Mahalanobis(r_r + right.error.squaredNorm(), r_u + right.error.dot(right.by_depth),
+                    u_u + right.by_depth.squaredNorm());
     if (chi2 < kGateBoth) {
       return {PnpVerdict::kInlier, kGateBoth - chi2};
     }
@@ -132,16 +131,14 @@ struct Normal {
 
 Matrix26 PoseJacobian(const Rigid3& world_from_body, const Rigid3& body_from_cam,
                       const AnchoredPoint& point, double weight) {
-  const Eigen::Matrix3d body_from_world =
-      world_from_body.rotation.toRotationMatrix().transpose();
+  const Eigen::Matrix3d body_from_world = world_from_body.rotation.toRotationMatrix().transpose();
   const Eigen::Matrix3d cam_from_body = body_from_cam.rotation.toRotationMatrix().transpose();
   const Eigen::Vector3d in_body =
       body_from_world *
       (point.ray + point.inverse_depth * (point.center - world_from_body.translation));
   const Eigen::Vector3d in_cam =
       cam_from_body * (in_body - point.inverse_depth * body_from_cam.translation);
-  const Eigen::Matrix<double, 2, 3> by_body =
-      weight * ProjectionJacobian(in_cam) * cam_from_body;
+  const Eigen::Matrix<double, 2, 3> by_body = weight * ProjectionJacobian(in_cam) * cam_from_body;
   Matrix26 jacobian;
   jacobian << -point.inverse_depth * by_body * body_from_world, by_body * Skew(in_body);
   return jacobian;
@@ -168,12 +165,11 @@ Normal BuildNormal(const StereoRig& rig, const Hypothesis& hypothesis,
     jacobian.topRows<2>() =
         PoseJacobian(hypothesis.world_from_body, rig.body_from_cam[0], observation.point, weight);
     ViewResidual right;
-    if (views == 2 &&
-        Residual(posed.right, observation.point, observation.right, weight, right)) {
+    if (views == 2 && Residual(posed.right, observation.point, observation.right, weight, right)) {
       error.tail<2>() = right.error;
       by_depth.tail<2>() = right.by_depth;
-      jacobian.bottomRows<2>() = PoseJacobian(hypothesis.world_from_body, rig.body_from_cam[1],
-                                              observation.point, weight);
+      jacobian.bottomRows<2>() =
+          PoseJacobian(hypothesis.world_from_body, rig.body_from_cam[1], observation.point, weight);
     }
     const double shrink = 1.0 / (1.0 + by_depth.squaredNorm());
     const double chi = std::sqrt(std::max(
@@ -182,8 +178,8 @@ Normal BuildNormal(const StereoRig& rig, const Hypothesis& hypothesis,
     const Eigen::Matrix<double, 6, 1> by_depth_and_pose = jacobian.transpose() * by_depth;
     normal.hessian += robust * (jacobian.transpose() * jacobian -
                                 shrink * by_depth_and_pose * by_depth_and_pose.transpose());
-    normal.gradient += robust * (jacobian.transpose() * error -
-                                 shrink * by_depth.dot(error) * by_depth_and_pose);
+    normal.gradient +=
+        robust * (jacobian.transpose() * error - shrink * by_depth.dot(error) * by_depth_and_pose);
   }
   return normal;
 }
@@ -226,9 +222,8 @@ std::vector<Rigid3> SolveP3P(const StereoRig& rig, std::span<const PnpObservatio
     pixels[k] = {observation.left.x(), observation.left.y()};
   }
   std::vector<cv::Mat> rotations, translations;
-  const int solutions =
-      cv::solveP3P(points, pixels, cv::Matx33d::eye(), cv::noArray(), rotations, translations,
-                   cv::SOLVEPNP_AP3P);
+  const int solutions = cv::solveP3P(points, pixels, cv::Matx33d::eye(), cv::noArray(), rotations,
+                                     translations, cv::SOLVEPNP_AP3P);
   std::vector<Rigid3> poses;
   for (int i = 0; i < solutions; ++i) {
     const cv::Mat& r = rotations[i];
@@ -295,9 +290,8 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
   std::mt19937_64 generator(0);
   int needed = IterationsNeeded(static_cast<double>(best.inliers) / count, options);
   for (int iteration = 0; iteration < needed; ++iteration) {
-    const std::array<std::size_t, 3> sample = {DrawBelow(generator, count),
-                                               DrawBelow(generator, count),
-                                               DrawBelow(generator, count)};
+    const std::array<std::size_t, 3> sample = {
+        DrawBelow(generator, count), DrawBelow(generator, count), DrawBelow(generator, count)};
     if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) {
       continue;
     }
@@ -311,8 +305,7 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
   }
   best = Refine(rig, std::move(best), observations, weight, kFinalIterations);
 
-  const Eigen::Matrix<double, 6, 6> hessian =
-      BuildNormal(rig, best, observations, weight).hessian;
+  const Eigen::Matrix<double, 6, 6> hessian = BuildNormal(rig, best, observations, weight).hessian;
   const Eigen::LLT<Eigen::Matrix<double, 6, 6>> cholesky(hessian);
   if (cholesky.info() != Eigen::Success) {
     return std::nullopt;

@@ -25,9 +25,9 @@ PoseParameters ToParameters(const Rigid3& pose) {
 }
 
 Rigid3 ToRigid3(const double* parameters) {
-  return {Eigen::Quaterniond(parameters[6], parameters[3], parameters[4], parameters[5])
-              .normalized(),
-          Eigen::Vector3d(parameters[0], parameters[1], parameters[2])};
+  return {
+      Eigen::Quaterniond(parameters[6], parameters[3], parameters[4], parameters[5]).normalized(),
+      Eigen::Vector3d(parameters[0], parameters[1], parameters[2])};
 }
 
 Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
@@ -41,8 +41,8 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
 Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector) {
   const double half_angle = 0.5 * rotation_vector.norm();
   // sin(x) / x, by its series where the quotient would lose digits.
-  const double sinc = half_angle < 1e-4 ? 1.0 - half_angle * half_angle / 6.0
-                                        : std::sin(half_angle) / half_angle;
+  const double sinc =
+      half_angle < 1e-4 ? 1.0 - half_angle * half_angle / 6.0 : std::sin(half_angle) / half_angle;
   const Eigen::Vector3d xyz = 0.5 * sinc * rotation_vector;
   return Eigen::Quaterniond(std::cos(half_angle), xyz.x(), xyz.y(), xyz.z()).normalized();
 }
@@ -60,8 +60,7 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation) {
 }
 
 bool PoseManifold::Plus(const double* x, const double* delta, double* x_plus_delta) const {
-  const PoseParameters result =
-      ToParameters(Plus(ToRigid3(x), Eigen::Map<const Tangent>(delta)));
+  const PoseParameters result = ToParameters(Plus(ToRigid3(x), Eigen::Map<const Tangent>(delta)));
   std::copy(result.begin(), result.end(), x_plus_delta);
   return true;
 }

@@ -60,8 +60,11 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
       rotation_i * anchor_center_in_body_ + world_from_i.translation - world_from_j.translation;
   const Eigen::Vector3d in_j =
       j_from_world_rotation * (rotation_i * ray_in_body_ + lambda * center_from_j);
-  const Eigen::Vector3d in_cam =
+  const Eigen::Matrix3d turn =
+      Eigen::Matrix3d::Identity() + Skew(Eigen::Map<const Eigen::Vector3d>(parameters[3]));
+  const Eigen::Vector3d before_turn =
       cam_from_body_rotation_ * in_j + lambda * cam_from_body_translation_;
+  const Eigen::Vector3d in_cam = turn * before_turn;
   if (!IsInFront(in_cam)) {
     return FillBehind(residuals, jacobians, parameter_block_sizes());
   }
@@ -71,8 +74,8 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
     return true;
   }
 
-  const Eigen::Matrix<double, 2, 3> by_j =
-      weight_ * ProjectionJacobian(in_cam) * cam_from_body_rotation_;
+  const Eigen::Matrix<double, 2, 3> by_cam = weight_ * ProjectionJacobian(in_cam);
+  const Eigen::Matrix<double, 2, 3> by_j = by_cam * turn * cam_from_body_rotation_;
   const Eigen::Matrix<double, 2, 3> by_world = by_j * j_from_world_rotation;
   if (jacobians[0] != nullptr) {
     Eigen::Matrix<double, 2, 6> by_pose;
@@ -88,8 +91,11 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
   }
   if (jacobians[2] != nullptr) {
     Eigen::Map<Eigen::Vector2d> jacobian(jacobians[2]);
-    jacobian = by_world * center_from_j +
-               weight_ * ProjectionJacobian(in_cam) * cam_from_body_translation_;
+    jacobian = by_world * center_from_j + by_cam * turn * cam_from_body_translation_;
+  }
+  if (jacobians[3] != nullptr) {
+    Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> jacobian(jacobians[3]);
+    jacobian = -by_cam * Skew(before_turn);
   }
   return true;
 }
@@ -104,15 +110,26 @@ SameFrameReprojection::SameFrameReprojection(const Rigid3& right_from_left,
 
 bool SameFrameReprojection::Evaluate(double const* const* parameters, double* residuals,
                                      double** jacobians) const {
-  const Eigen::Vector3d in_right = ray_in_right_ + parameters[0][0] * left_center_in_right_;
+  const Eigen::Matrix3d turn =
+      Eigen::Matrix3d::Identity() + Skew(Eigen::Map<const Eigen::Vector3d>(parameters[1]));
+  const Eigen::Vector3d before_turn = ray_in_right_ + parameters[0][0] * left_center_in_right_;
+  const Eigen::Vector3d in_right = turn * before_turn;
   if (!IsInFront(in_right)) {
     return FillBehind(residuals, jacobians, parameter_block_sizes());
   }
   Eigen::Map<Eigen::Vector2d> residual(residuals);
   residual = weight_ * (in_right.hnormalized() - observed_);
-  if (jacobians != nullptr && jacobians[0] != nullptr) {
+  if (jacobians == nullptr) {
+    return true;
+  }
+  const Eigen::Matrix<double, 2, 3> by_right = weight_ * ProjectionJacobian(in_right);
+  if (jacobians[0] != nullptr) {
     Eigen::Map<Eigen::Vector2d> jacobian(jacobians[0]);
-    jacobian = weight_ * ProjectionJacobian(in_right) * left_center_in_right_;
+    jacobian = by_right * turn * left_center_in_right_;
+  }
+  if (jacobians[1] != nullptr) {
+    Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> jacobian(jacobians[1]);
+    jacobian = -by_right * Skew(before_turn);
   }
   return true;
 }

@@ -41,11 +41,15 @@ void SlidingWindowOptions::Validate() const {
   CheckAtLeast(min_long_tracked, 0, "window.min_long_tracked");
   CheckAtLeast(long_track, 2, "window.long_track");
   CheckPositive(max_new_share, "window.max_new_share");
+  if (!(right_turn_sigma >= 0.0) || !std::isfinite(right_turn_sigma)) {
+    throw Error("option window.right_turn_sigma is " + std::to_string(right_turn_sigma) +
+                "; expected 0 or a positive number");
+  }
   triangulation.Validate();
 }
 
 SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options)
-    : rig_(rig), options_(options) {
+    : rig_(rig), calibrated_body_from_right_(rig.body_from_cam[1].rotation), options_(options) {
   options_.Validate();
 }
 
@@ -56,9 +60,8 @@ std::size_t SlidingWindow::CountLandmarks() const {
 }
 
 std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
-  const auto found =
-      std::lower_bound(frames_.begin(), frames_.end(), frame_id,
-                       [](const Frame& frame, int64_t id) { return frame.id < id; });
+  const auto found = std::lower_bound(frames_.begin(), frames_.end(), frame_id,
+                                      [](const Frame& frame, int64_t id) { return frame.id < id; });
   return static_cast<std::size_t>(found - frames_.begin());
 }
 
@@ -66,8 +69,8 @@ AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
   const LandmarkView& anchor = landmark.views.front();
   const Rigid3 world_from_cam = FrameOf(anchor).world_from_body * rig_.body_from_cam[0];
   AnchoredPoint point{world_from_cam.translation,
-                      world_from_cam.rotation * anchor.left.homogeneous(),
-                      *landmark.inverse_depth, 0.0};
+                      world_from_cam.rotation * anchor.left.homogeneous(), *landmark.inverse_depth,
+                      0.0};
   // The inverse depth's information, the poses taken as known.
   double information = 0.0;
   const auto add = [&](const Rigid3& world_from_body, int camera, const Eigen::Vector2d& seen) {
@@ -239,9 +242,8 @@ void SlidingWindow::DropFrame(std::size_t index) {
   const int64_t frame_id = frames_[index].id;
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
     Landmark& landmark = it->second;
-    const auto view =
-        std::find_if(landmark.views.begin(), landmark.views.end(),
-                     [&](const LandmarkView& v) { return v.frame_id == frame_id; });
+    const auto view = std::find_if(landmark.views.begin(), landmark.views.end(),
+                                   [&](const LandmarkView& v) { return v.frame_id == frame_id; });
     if (view == landmark.views.end()) {
       ++it;
       continue;

@@ -34,6 +34,9 @@ struct SuperPointOptions {
   int border = 4;
   /// The best so many are kept.
   int max_keypoints = 1024;
+  /// Move each keypoint off its pixel to the peak of the parabola through the logarithms of its and
+  /// its neighbours' scores, at most half a pixel on each axis. Not in the paper.
+  bool subpixel = false;
 
   /// Throws Error naming the field that is out of range.
   void Validate() const;

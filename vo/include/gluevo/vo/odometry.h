@@ -33,11 +33,11 @@ struct FrameResult {
   /// Starts at 0 and grows by one where the pose could not be linked to those before: poses of
   /// different segments have nothing to do with each other.
   int segment = 0;
-  int observations = 0;  ///< Tracks in the frame.
-  int tracked = 0;       ///< Of these, known points (with a depth) from before.
-  int stereo = 0;        ///< Of these, seen by both cameras.
-  int inliers = 0;       ///< Known points that agree with the pose.
-  int landmarks = 0;     ///< Landmarks with a depth in the window.
+  int observations = 0;                     ///< Tracks in the frame.
+  int tracked = 0;                          ///< Of these, known points (with a depth) from before.
+  int stereo = 0;                           ///< Of these, seen by both cameras.
+  int inliers = 0;                          ///< Known points that agree with the pose.
+  int landmarks = 0;                        ///< Landmarks with a depth in the window.
   std::map<std::string, double> stages_ms;  ///< The front end's, "frontend" and "estimator".
 };
 

@@ -1,0 +1,192 @@
+#include "run_metrics.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "gluevo/nn/isa.h"
+#include "gluevo/nn/output_file.h"
+
+namespace gluevo::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double Milliseconds(std::chrono::steady_clock::duration duration) {
+  return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+// Value below which the share `q` of the values lies (nearest rank); 0 of none.
+double Quantile(std::vector<double> values, double q) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  std::sort(values.begin(), values.end());
+  const auto last = static_cast<double>(values.size() - 1);
+  return values[static_cast<std::size_t>(std::lround(q * last))];
+}
+
+double PeakMemoryMb() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+// JSON has no NaN.
+Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+void RunMetrics::StartFrame() {
+  frame_start_ = Clock::now();
+  if (!run_start_) {
+    run_start_ = frame_start_;
+  }
+}
+
+void RunMetrics::FrameIsRead() { read_ms_ = Milliseconds(Clock::now() - frame_start_); }
+
+void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
+  frame_end_ = Clock::now();
+  frames_.push_back(result);
+  stages_ms_["read"].push_back(read_ms_);
+  for (const auto& [stage, ms] : result.stages_ms) {
+    stages_ms_[stage].push_back(ms);
+  }
+  stages_ms_["total"].push_back(Milliseconds(frame_end_ - frame_start_));
+}
+
+int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }
+
+double RunMetrics::MedianMatches(int vo::FrameResult::*count) const {
+  std::vector<double> counts;
+  for (const vo::FrameResult& frame : frames_) {
+    counts.push_back(frame.*count);
+  }
+  return Quantile(std::move(counts), 0.5);
+}
+
+double RunMetrics::Duration() const {
+  return run_start_ ? Milliseconds(frame_end_ - *run_start_) / 1000.0 : 0.0;
+}
+
+std::vector<std::string> RunMetrics::Warnings() const {
+  std::vector<std::string> warnings;
+  // The first frame has nothing to be tracked from.
+  constexpr double kNextToNothing = 15.0;
+  if (frames_.size() > 1 && MedianMatches(&vo::FrameResult::tracked) < kNextToNothing) {
+    warnings.emplace_back(
+        "matching from frame to frame yields next to nothing: do the weights of SuperPoint and "
+        "SuperGlue belong together?");
+  }
+  if (!frames_.empty() && MedianMatches(&vo::FrameResult::stereo) < kNextToNothing) {
+    warnings.emplace_back(
+        "matching from left to right yields next to nothing: do the weights belong together, and "
+        "does the calibration fit the images?");
+  }
+  if (Resets() > 0) {
+    warnings.push_back("tracking was lost " + std::to_string(Resets()) +
+                       " times: poses of different segments are not linked");
+  }
+  return warnings;
+}
+
+void RunMetrics::Write(const std::filesystem::path& path, const Context& context) const {
+  Json json;
+  json["frames"] = frames_.size();
+  json["frames_with_pose"] = frames_.size();
+  json["keyframes"] = std::count_if(frames_.begin(), frames_.end(),
+                                    [](const vo::FrameResult& frame) { return frame.is_keyframe; });
+  json["resets"] = Resets();
+  // Poses are linked within a segment only.
+  json["segments"] = Json::array();
+  for (std::size_t begin = 0; begin < frames_.size();) {
+    std::size_t end = begin;
+    while (end < frames_.size() && frames_[end].segment == frames_[begin].segment) {
+      ++end;
+    }
+    json["segments"].push_back(
+        {{"first_frame", begin},
+         {"last_frame", end - 1},
+         {"start_s", static_cast<double>(frames_[begin].timestamp_ns) * 1e-9},
+         {"end_s", static_cast<double>(frames_[end - 1].timestamp_ns) * 1e-9}});
+    begin = end;
+  }
+  json["warnings"] = Warnings();
+  const double duration = Duration();
+  json["duration_s"] = duration;
+  json["frames_per_second"] = duration > 0.0 ? static_cast<double>(frames_.size()) / duration : 0.0;
+  json["stages_ms"] = Json::object();
+  for (const char* const stage : {"read", "superpoint", "superglue_track", "superglue_stereo",
+                                  "frontend", "estimator", "total"}) {
+    if (const auto found = stages_ms_.find(stage); found != stages_ms_.end()) {
+      json["stages_ms"][stage] = {{"median", Quantile(found->second, 0.5)},
+                                  {"p95", Quantile(found->second, 0.95)}};
+    }
+  }
+  json["matches_per_frame"] = {{"tracked", MedianMatches(&vo::FrameResult::tracked)},
+                               {"stereo", MedianMatches(&vo::FrameResult::stereo)}};
+  json["peak_memory_mb"] = PeakMemoryMb();
+  json["isa"] = nn::IsaName(nn::ChooseIsa());
+  json["threads"] = context.threads;
+  json["weights"] = Json::object();
+  for (const auto& [network, record] :
+       {std::pair{"superpoint", context.superpoint}, std::pair{"superglue", context.superglue}}) {
+    if (!record.source.empty()) {
+      json["weights"][network] = {{"name", record.source}, {"sha256", record.checksum}};
+    }
+  }
+  json["method"] = context.method;
+  json["options"] = context.options;
+  if (context.evaluation) {
+    const vo::Evaluation& evaluation = *context.evaluation;
+    json["ate_se3_m"] = Finite(evaluation.ate_se3_m);
+    json["ate_sim3_m"] = Finite(evaluation.ate_sim3_m);
+    json["scale"] = Finite(evaluation.scale);
+    json["rpe_translation_percent"] = Finite(evaluation.rpe_translation_percent);
+    json["rpe_rotation_deg_per_m"] = Finite(evaluation.rpe_rotation_deg_per_m);
+    json["coverage"] = Finite(evaluation.coverage);
+  } else if (!context.evaluation_failure.empty()) {
+    json["evaluation_failure"] = context.evaluation_failure;
+  }
+  nn::WriteWholeFile(path, [&](std::ostream& out) { out << json.dump(2) << '\n'; });
+}
+
+std::string RunMetrics::Summary(const std::optional<vo::Evaluation>& evaluation) const {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1);
+  text << frames_.size() << " frames, " << Resets() + 1
+       << (Resets() == 0 ? " segment" : " segments") << ", "
+       << static_cast<double>(frames_.size()) / std::max(Duration(), 1e-9)
+       << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
+       << " tracked, " << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
+  for (const std::string& warning : Warnings()) {
+    text << "warning: " << warning << '\n';
+  }
+  if (evaluation) {
+    text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "
+         << evaluation->ate_sim3_m << " m (Sim3, scale " << evaluation->scale << "); RPE "
+         << std::setprecision(3) << evaluation->rpe_translation_percent << " %, "
+         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; coverage "
+         << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
+  }
+  return text.str();
+}
+
+std::map<std::string, std::string> OptionValues(const CLI::App& command) {
+  std::map<std::string, std::string> values;
+  for (const CLI::Option* const option : command.get_options()) {
+    const std::string name = option->get_single_name();
+    if (name == "help" || (option->count() == 0 && option->get_default_str().empty())) {
+      continue;
+    }
+    values[name] = option->count() > 0 ? option->as<std::string>() : option->get_default_str();
+  }
+  return values;
+}
+
+}  // namespace gluevo::apps
