@@ -54,9 +54,8 @@ Scene MakeScene(const SceneOptions& options) {
     if (!testing::Observe(scene.rig, 0, scene.world_from_body, point, observation.left)) {
       continue;
     }
-    observation.has_right =
-        options.right &&
-        testing::Observe(scene.rig, 1, scene.world_from_body, point, observation.right);
+    observation.has_right = options.right && testing::Observe(scene.rig, 1, scene.world_from_body,
+                                                              point, observation.right);
     observation.left += noise();
     observation.right += noise();
     const double baseline = scene.rig.baseline();
@@ -84,10 +83,8 @@ TEST(Pnp, ExactDataGivesTheExactPose) {
   const Scene scene = MakeScene({.noise_px = 0.0, .uncertain_depth = false});
   const auto result = SolvePnp(scene.rig, scene.observations, {}, {});
   ASSERT_TRUE(result);
-  EXPECT_LT((result->world_from_body.translation - scene.world_from_body.translation).norm(),
-            1e-9);
-  EXPECT_LT(result->world_from_body.rotation.angularDistance(scene.world_from_body.rotation),
-            1e-9);
+  EXPECT_LT((result->world_from_body.translation - scene.world_from_body.translation).norm(), 1e-9);
+  EXPECT_LT(result->world_from_body.rotation.angularDistance(scene.world_from_body.rotation), 1e-9);
   EXPECT_EQ(result->inliers, static_cast<int>(scene.observations.size()));
   EXPECT_EQ(std::count(result->verdicts.begin(), result->verdicts.end(), PnpVerdict::kInlier),
             result->inliers);
@@ -152,9 +149,9 @@ TEST(Pnp, UncertaintyOfDepthIsWeighed) {
     Scene scene = MakeScene({.seed = seed});
     const auto error = [&] {
       const auto result = SolvePnp(scene.rig, scene.observations, {}, {});
-      return result ? (result->world_from_body.translation - scene.world_from_body.translation)
-                          .norm()
-                    : 1.0;
+      return result
+                 ? (result->world_from_body.translation - scene.world_from_body.translation).norm()
+                 : 1.0;
     };
     weighed += error();
     for (PnpObservation& observation : scene.observations) {

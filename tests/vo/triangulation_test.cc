@@ -20,9 +20,8 @@ View ViewOf(const Rigid3& world_from_cam, const Eigen::Vector3d& point) {
 TEST(Triangulation, StereoByHand) {
   // Baseline 0.5 m along x, disparity 0.1 on the normalised plane: depth 0.5 / 0.1 = 5 m, and the
   // point lies at 5 * (0.2, -0.1, 1).
-  const std::vector<View> views = {{{}, {0.2, -0.1}},
-                                   {{Eigen::Quaterniond::Identity(), {-0.5, 0.0, 0.0}},
-                                    {0.1, -0.1}}};
+  const std::vector<View> views = {
+      {{}, {0.2, -0.1}}, {{Eigen::Quaterniond::Identity(), {-0.5, 0.0, 0.0}}, {0.1, -0.1}}};
   const auto point = Triangulate(views, {});
   ASSERT_TRUE(point);
   EXPECT_LT((*point - Eigen::Vector3d(1.0, -0.5, 5.0)).norm(), 1e-10);
@@ -52,9 +51,9 @@ TEST(Triangulation, NoiseGivesTheLeastReprojectionError) {
     std::vector<View> views;
     double true_cost = 0.0;
     for (int i = 0; i < 4; ++i) {
-      views.push_back(ViewOf({ExpSo3(testing::UniformVector(generator, 0.05)),
-                              testing::UniformVector(generator, 0.5)},
-                             point));
+      views.push_back(ViewOf(
+          {ExpSo3(testing::UniformVector(generator, 0.05)), testing::UniformVector(generator, 0.5)},
+          point));
       const Eigen::Vector2d noise(testing::Gaussian(generator) / 460.0,
                                   testing::Gaussian(generator) / 460.0);
       views.back().normalized += noise;

@@ -1,6 +1,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "gluevo/vo/pose_manifold.h"
@@ -70,40 +71,41 @@ bool SlidingWindow::Optimize() {
     problem.SetParameterBlockConstant(turns[1].data());
   }
 
-  // The depths are eliminated first (Schur complement), in the order of the landmarks.
+  // The landmarks are eliminated first (Schur complement). Ceres orders blocks by their addresses:
+  // in one array they come in the landmarks' order, and sums repeat to the last bit.
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(landmarks_.size());
+  std::vector<Landmark*> adjusted;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  std::vector<std::pair<Landmark*, double>> depths;
-  depths.reserve(landmarks_.size());
   for (auto& [id, landmark] : landmarks_) {
     // A landmark of a single frame tells nothing about poses, and its stereo gave its depth.
-    if (!landmark.inverse_depth || landmark.views.size() < 2) {
+    if (!landmark.point || landmark.views.size() < 2) {
       continue;
     }
-    double* inverse_depth = &depths.emplace_back(&landmark, *landmark.inverse_depth).second;
+    adjusted.push_back(&landmark);
+    double* point = points.emplace_back(*landmark.point).data();
     const LandmarkView& anchor = landmark.views.front();
     double* anchor_pose = poses[FrameIndex(anchor.frame_id)].data();
-    for (const LandmarkView& view : landmark.views) {
-      if (&view == &anchor) {
-        if (view.right) {
-          problem.AddResidualBlock(
-              new SameFrameReprojection(right_from_left, anchor.left, *view.right, weight), &loss,
-              inverse_depth, turns[1].data());
-        }
-        continue;
-      }
-      double* pose = poses[FrameIndex(view.frame_id)].data();
+    problem.AddResidualBlock(new SameFrameReprojection({}, anchor.left, weight), &loss, point,
+                             turns[0].data());
+    if (anchor.right) {
+      problem.AddResidualBlock(new SameFrameReprojection(right_from_left, *anchor.right, weight),
+                               &loss, point, turns[1].data());
+    }
+    for (auto view = std::next(landmark.views.begin()); view != landmark.views.end(); ++view) {
+      double* pose = poses[FrameIndex(view->frame_id)].data();
       problem.AddResidualBlock(
-          new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[0], anchor.left,
-                                     view.left, weight),
-          &loss, anchor_pose, pose, inverse_depth, turns[0].data());
-      if (view.right) {
+          new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[0], view->left,
+                                     weight),
+          &loss, anchor_pose, pose, point, turns[0].data());
+      if (view->right) {
         problem.AddResidualBlock(
-            new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[1], anchor.left,
-                                       *view.right, weight),
-            &loss, anchor_pose, pose, inverse_depth, turns[1].data());
+            new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[1], *view->right,
+                                       weight),
+            &loss, anchor_pose, pose, point, turns[1].data());
       }
     }
-    ordering->AddElementToGroup(inverse_depth, 0);
+    ordering->AddElementToGroup(point, 0);
   }
   ordering->AddElementToGroup(turns[0].data(), 1);
   ordering->AddElementToGroup(turns[1].data(), 1);
@@ -130,8 +132,8 @@ bool SlidingWindow::Optimize() {
   }
   rig_.body_from_cam[1].rotation =
       (rig_.body_from_cam[1].rotation * ExpSo3(turns[1]).conjugate()).normalized();
-  for (const auto& [landmark, inverse_depth] : depths) {
-    landmark->inverse_depth = inverse_depth;
+  for (std::size_t i = 0; i < adjusted.size(); ++i) {
+    adjusted[i]->point = points[i];
   }
   return true;
 }

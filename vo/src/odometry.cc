@@ -26,6 +26,15 @@ bool IsFinite(const Rigid3& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
 }
 
+// What a front end gives is not trusted: one NaN would spoil the whole window.
+TrackedFrame WithoutNonFinite(TrackedFrame frame) {
+  std::erase_if(frame.observations, [](const Observation& observation) {
+    return !observation.left.allFinite() ||
+           (observation.has_right && !observation.right.allFinite());
+  });
+  return frame;
+}
+
 }  // namespace
 
 void OdometryOptions::Validate() const {
@@ -48,7 +57,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
                 std::to_string(last_->timestamp_ns) + " ns");
   }
   const Stopwatch total;
-  TrackedFrame tracked = frontend_->Track(frame);
+  TrackedFrame tracked = WithoutNonFinite(frontend_->Track(frame));
   double frontend_ms = total.ElapsedMs();
 
   std::optional<FramePose> pose = Locate(tracked);
@@ -59,7 +68,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     if (!retried) {
       break;
     }
-    tracked = *std::move(retried);
+    tracked = WithoutNonFinite(*std::move(retried));
     pose = Locate(tracked);
   }
   if (!pose) {

@@ -6,6 +6,7 @@
 namespace gluevo::vo {
 namespace {
 
+using Row2x3 = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 using Row2x7 = Eigen::Matrix<double, 2, 7, Eigen::RowMajor>;
 
 // The residual where a point lies behind its camera, in standard deviations: beyond any that a
@@ -18,6 +19,10 @@ Row2x7 AmbientJacobian(const Eigen::Matrix<double, 2, 6>& tangent_jacobian, cons
   Eigen::Matrix<double, 6, 7, Eigen::RowMajor> minus;
   PoseManifold().MinusJacobian(pose, minus.data());
   return tangent_jacobian * minus;
+}
+
+Eigen::Matrix3d Turn(const double* turn) {
+  return Eigen::Matrix3d::Identity() + Skew(Eigen::Map<const Eigen::Vector3d>(turn));
 }
 
 bool FillBehind(double* residuals, double** jacobians, const std::vector<int>& sizes) {
@@ -36,12 +41,11 @@ bool FillBehind(double* residuals, double** jacobians, const std::vector<int>& s
 
 OtherFrameReprojection::OtherFrameReprojection(const Rigid3& body_from_anchor_cam,
                                                const Rigid3& body_from_cam,
-                                               const Eigen::Vector2d& anchor,
                                                const Eigen::Vector2d& observed, double weight)
-    : cam_from_body_rotation_(body_from_cam.Inverse().rotation.toRotationMatrix()),
-      cam_from_body_translation_(body_from_cam.Inverse().translation),
-      ray_in_body_(body_from_anchor_cam.rotation * anchor.homogeneous()),
+    : body_from_anchor_rotation_(body_from_anchor_cam.rotation.toRotationMatrix()),
       anchor_center_in_body_(body_from_anchor_cam.translation),
+      cam_from_body_rotation_(body_from_cam.Inverse().rotation.toRotationMatrix()),
+      cam_from_body_translation_(body_from_cam.Inverse().translation),
       observed_(observed),
       weight_(weight) {}
 
@@ -49,19 +53,17 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
                                       double** jacobians) const {
   const Rigid3 world_from_i = ToRigid3(parameters[0]);
   const Rigid3 world_from_j = ToRigid3(parameters[1]);
-  const double lambda = parameters[2][0];
+  const Eigen::Vector3d ray(parameters[2][0], parameters[2][1], 1.0);
+  const double lambda = parameters[2][2];
   const Eigen::Matrix3d rotation_i = world_from_i.rotation.toRotationMatrix();
   const Eigen::Matrix3d j_from_world_rotation =
       world_from_j.rotation.toRotationMatrix().transpose();
 
   // The point times lambda, in the bodies i and j and in the camera.
-  const Eigen::Vector3d in_i = ray_in_body_ + lambda * anchor_center_in_body_;
-  const Eigen::Vector3d center_from_j =
-      rotation_i * anchor_center_in_body_ + world_from_i.translation - world_from_j.translation;
-  const Eigen::Vector3d in_j =
-      j_from_world_rotation * (rotation_i * ray_in_body_ + lambda * center_from_j);
-  const Eigen::Matrix3d turn =
-      Eigen::Matrix3d::Identity() + Skew(Eigen::Map<const Eigen::Vector3d>(parameters[3]));
+  const Eigen::Vector3d in_i = body_from_anchor_rotation_ * ray + lambda * anchor_center_in_body_;
+  const Eigen::Vector3d i_from_j = world_from_i.translation - world_from_j.translation;
+  const Eigen::Vector3d in_j = j_from_world_rotation * (rotation_i * in_i + lambda * i_from_j);
+  const Eigen::Matrix3d turn = Turn(parameters[3]);
   const Eigen::Vector3d before_turn =
       cam_from_body_rotation_ * in_j + lambda * cam_from_body_translation_;
   const Eigen::Vector3d in_cam = turn * before_turn;
@@ -74,12 +76,14 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
     return true;
   }
 
-  const Eigen::Matrix<double, 2, 3> by_cam = weight_ * ProjectionJacobian(in_cam);
-  const Eigen::Matrix<double, 2, 3> by_j = by_cam * turn * cam_from_body_rotation_;
+  const Eigen::Matrix<double, 2, 3> by_turned = weight_ * ProjectionJacobian(in_cam);
+  const Eigen::Matrix<double, 2, 3> by_cam = by_turned * turn;
+  const Eigen::Matrix<double, 2, 3> by_j = by_cam * cam_from_body_rotation_;
   const Eigen::Matrix<double, 2, 3> by_world = by_j * j_from_world_rotation;
+  const Eigen::Matrix<double, 2, 3> by_i = by_world * rotation_i;
   if (jacobians[0] != nullptr) {
     Eigen::Matrix<double, 2, 6> by_pose;
-    by_pose << lambda * by_world, -by_world * rotation_i * Skew(in_i);
+    by_pose << lambda * by_world, -by_i * Skew(in_i);
     Eigen::Map<Row2x7> jacobian(jacobians[0]);
     jacobian = AmbientJacobian(by_pose, parameters[0]);
   }
@@ -90,46 +94,48 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
     jacobian = AmbientJacobian(by_pose, parameters[1]);
   }
   if (jacobians[2] != nullptr) {
-    Eigen::Map<Eigen::Vector2d> jacobian(jacobians[2]);
-    jacobian = by_world * center_from_j + by_cam * turn * cam_from_body_translation_;
+    Eigen::Map<Row2x3> jacobian(jacobians[2]);
+    jacobian << by_i * body_from_anchor_rotation_.leftCols<2>(),
+        by_i * anchor_center_in_body_ + by_world * i_from_j + by_cam * cam_from_body_translation_;
   }
   if (jacobians[3] != nullptr) {
-    Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> jacobian(jacobians[3]);
-    jacobian = -by_cam * Skew(before_turn);
+    Eigen::Map<Row2x3> jacobian(jacobians[3]);
+    jacobian = -by_turned * Skew(before_turn);
   }
   return true;
 }
 
-SameFrameReprojection::SameFrameReprojection(const Rigid3& right_from_left,
-                                             const Eigen::Vector2d& anchor,
+SameFrameReprojection::SameFrameReprojection(const Rigid3& cam_from_anchor_cam,
                                              const Eigen::Vector2d& observed, double weight)
-    : ray_in_right_(right_from_left.rotation * anchor.homogeneous()),
-      left_center_in_right_(right_from_left.translation),
+    : cam_from_anchor_rotation_(cam_from_anchor_cam.rotation.toRotationMatrix()),
+      anchor_center_in_cam_(cam_from_anchor_cam.translation),
       observed_(observed),
       weight_(weight) {}
 
 bool SameFrameReprojection::Evaluate(double const* const* parameters, double* residuals,
                                      double** jacobians) const {
-  const Eigen::Matrix3d turn =
-      Eigen::Matrix3d::Identity() + Skew(Eigen::Map<const Eigen::Vector3d>(parameters[1]));
-  const Eigen::Vector3d before_turn = ray_in_right_ + parameters[0][0] * left_center_in_right_;
-  const Eigen::Vector3d in_right = turn * before_turn;
-  if (!IsInFront(in_right)) {
+  const Eigen::Vector3d ray(parameters[0][0], parameters[0][1], 1.0);
+  const Eigen::Matrix3d turn = Turn(parameters[1]);
+  const Eigen::Vector3d before_turn =
+      cam_from_anchor_rotation_ * ray + parameters[0][2] * anchor_center_in_cam_;
+  const Eigen::Vector3d in_cam = turn * before_turn;
+  if (!IsInFront(in_cam)) {
     return FillBehind(residuals, jacobians, parameter_block_sizes());
   }
   Eigen::Map<Eigen::Vector2d> residual(residuals);
-  residual = weight_ * (in_right.hnormalized() - observed_);
+  residual = weight_ * (in_cam.hnormalized() - observed_);
   if (jacobians == nullptr) {
     return true;
   }
-  const Eigen::Matrix<double, 2, 3> by_right = weight_ * ProjectionJacobian(in_right);
+  const Eigen::Matrix<double, 2, 3> by_turned = weight_ * ProjectionJacobian(in_cam);
+  const Eigen::Matrix<double, 2, 3> by_cam = by_turned * turn;
   if (jacobians[0] != nullptr) {
-    Eigen::Map<Eigen::Vector2d> jacobian(jacobians[0]);
-    jacobian = by_right * turn * left_center_in_right_;
+    Eigen::Map<Row2x3> jacobian(jacobians[0]);
+    jacobian << by_cam * cam_from_anchor_rotation_.leftCols<2>(), by_cam * anchor_center_in_cam_;
   }
   if (jacobians[1] != nullptr) {
-    Eigen::Map<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>> jacobian(jacobians[1]);
-    jacobian = -by_right * Skew(before_turn);
+    Eigen::Map<Row2x3> jacobian(jacobians[1]);
+    jacobian = -by_turned * Skew(before_turn);
   }
   return true;
 }

@@ -10,22 +10,12 @@
 namespace gluevo::vo {
 namespace {
 
-/// What one view tells of a landmark: its error and how that changes with the inverse depth;
-/// normalised plane.
-struct ViewError {
-  Eigen::Vector2d error;
-  Eigen::Vector2d by_inverse_depth;
-};
-
-std::optional<ViewError> ErrorIn(const AnchoredPoint& point, const Rigid3& world_from_cam,
-                                 const Eigen::Vector2d& observed) {
-  const Eigen::Quaterniond cam_from_world = world_from_cam.rotation.conjugate();
-  const Eigen::Vector3d offset = cam_from_world * (point.center - world_from_cam.translation);
-  const Eigen::Vector3d in_cam = cam_from_world * point.ray + point.inverse_depth * offset;
-  if (!IsInFront(in_cam)) {
+// u, v, inverse depth of a point of the camera's frame; nothing for one that is not in front.
+std::optional<Eigen::Vector3d> ToInverseDepth(const Eigen::Vector3d& point_in_cam) {
+  if (!IsInFront(point_in_cam)) {
     return std::nullopt;
   }
-  return ViewError{in_cam.hnormalized() - observed, ProjectionJacobian(in_cam) * offset};
+  return Eigen::Vector3d(point_in_cam.x(), point_in_cam.y(), 1.0) / point_in_cam.z();
 }
 
 }  // namespace
@@ -56,7 +46,7 @@ SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& o
 std::size_t SlidingWindow::CountLandmarks() const {
   return static_cast<std::size_t>(
       std::count_if(landmarks_.begin(), landmarks_.end(),
-                    [](const auto& entry) { return entry.second.inverse_depth.has_value(); }));
+                    [](const auto& entry) { return entry.second.point.has_value(); }));
 }
 
 std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
@@ -65,27 +55,42 @@ std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
   return static_cast<std::size_t>(found - frames_.begin());
 }
 
-AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
-  const LandmarkView& anchor = landmark.views.front();
-  const Rigid3 world_from_cam = FrameOf(anchor).world_from_body * rig_.body_from_cam[0];
-  AnchoredPoint point{world_from_cam.translation,
-                      world_from_cam.rotation * anchor.left.homogeneous(), *landmark.inverse_depth,
-                      0.0};
-  // The inverse depth's information, the poses taken as known.
-  double information = 0.0;
-  const auto add = [&](const Rigid3& world_from_body, int camera, const Eigen::Vector2d& seen) {
-    const auto view = ErrorIn(point, world_from_body * rig_.body_from_cam[camera], seen);
-    information += view ? view->by_inverse_depth.squaredNorm() : 0.0;
-  };
+template <typename Visitor>
+void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
+  const Rigid3 anchor_from_world =
+      (FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0]).Inverse();
   for (const LandmarkView& view : landmark.views) {
-    const Rigid3& world_from_body = FrameOf(view).world_from_body;
-    add(world_from_body, 0, view.left);
+    const Rigid3 anchor_from_body = anchor_from_world * FrameOf(view).world_from_body;
+    visit((anchor_from_body * rig_.body_from_cam[0]).Inverse(), view.left);
     if (view.right) {
-      add(world_from_body, 1, *view.right);
+      visit((anchor_from_body * rig_.body_from_cam[1]).Inverse(), *view.right);
     }
   }
-  point.inverse_depth_sigma =
-      information > 0.0 ? options_.noise / std::sqrt(information) : point.inverse_depth;
+}
+
+AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
+  const Rigid3 world_from_anchor =
+      FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+  AnchoredPoint point{world_from_anchor.translation,
+                      world_from_anchor.rotation * landmark.point->head<2>().homogeneous(),
+                      landmark.point->z(), landmark.point->z()};
+  // The information of all views on (u, v, inverse depth), the poses taken as known.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  ForEachView(landmark, [&](const Rigid3& cam_from_anchor, const Eigen::Vector2d&) {
+    const Eigen::Vector3d in_cam =
+        cam_from_anchor.rotation * landmark.point->head<2>().homogeneous() +
+        landmark.point->z() * cam_from_anchor.translation;
+    if (IsInFront(in_cam)) {
+      Eigen::Matrix3d by_point = cam_from_anchor.rotation.toRotationMatrix();
+      by_point.col(2) = cam_from_anchor.translation;
+      const Eigen::Matrix<double, 2, 3> jacobian = ProjectionJacobian(in_cam) * by_point;
+      information += jacobian.transpose() * jacobian;
+    }
+  });
+  const double variance = options_.noise * options_.noise * information.inverse()(2, 2);
+  if (std::isfinite(variance) && variance > 0.0) {
+    point.inverse_depth_sigma = std::sqrt(variance);
+  }
   return point;
 }
 
@@ -99,7 +104,7 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(
       continue;
     }
     const Landmark& landmark = landmarks_.at(track->second);
-    if (landmark.inverse_depth) {
+    if (landmark.point) {
       correspondences.push_back({i,
                                  {ToAnchoredPoint(landmark), observation.left,
                                   observation.has_right, observation.right}});
@@ -173,59 +178,78 @@ double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
 }
 
 void SlidingWindow::Triangulate() {
+  const int64_t newest_id = frames_.back().id;
   for (auto& [id, landmark] : landmarks_) {
-    if (landmark.inverse_depth) {
+    if (landmark.point) {
       continue;
     }
-    std::vector<View> views;
-    for (const LandmarkView& view : landmark.views) {
-      const Rigid3& world_from_body = FrameOf(view).world_from_body;
-      views.push_back({(world_from_body * rig_.body_from_cam[0]).Inverse(), view.left});
-      if (view.right) {
-        views.push_back({(world_from_body * rig_.body_from_cam[1]).Inverse(), *view.right});
+    landmark.point = TriangulateViews(landmark.views);
+    // One wrong view must not keep a point from ever getting a depth: the newest counts.
+    if (!landmark.point && landmark.views.size() > 1 &&
+        landmark.views.back().frame_id == newest_id) {
+      const std::vector<LandmarkView> newest = {landmark.views.back()};
+      if (const auto point = TriangulateViews(newest)) {
+        landmark.views = newest;
+        landmark.point = point;
       }
-    }
-    if (const auto point_in_world = vo::Triangulate(views, options_.triangulation)) {
-      landmark.inverse_depth = 1.0 / (views.front().cam_from_world * *point_in_world).z();
     }
   }
 }
 
-std::optional<double> SlidingWindow::MeanReprojectionError(const Landmark& landmark) const {
-  const AnchoredPoint point = ToAnchoredPoint(landmark);
-  double sum = 0.0;
-  int count = 0;
-  for (const LandmarkView& view : landmark.views) {
+std::optional<Eigen::Vector3d> SlidingWindow::TriangulateViews(
+    const std::vector<LandmarkView>& landmark_views) const {
+  std::vector<View> views;
+  for (const LandmarkView& view : landmark_views) {
     const Rigid3& world_from_body = FrameOf(view).world_from_body;
-    for (int camera = 0; camera < 2; ++camera) {
-      if (camera == 1 && !view.right) {
-        continue;
-      }
-      const auto result = ErrorIn(point, world_from_body * rig_.body_from_cam[camera],
-                                  camera == 0 ? view.left : *view.right);
-      if (!result) {
-        return std::nullopt;
-      }
-      // The anchor's left view has no error by definition: it does not count.
-      if (camera == 1 || &view != &landmark.views.front()) {
-        sum += result->error.norm();
-        ++count;
-      }
+    views.push_back({(world_from_body * rig_.body_from_cam[0]).Inverse(), view.left});
+    if (view.right) {
+      views.push_back({(world_from_body * rig_.body_from_cam[1]).Inverse(), *view.right});
     }
   }
-  return count > 0 ? sum / count : 0.0;
+  const auto point_in_world = vo::Triangulate(views, options_.triangulation);
+  if (!point_in_world) {
+    return std::nullopt;
+  }
+  return ToInverseDepth(views.front().cam_from_world * *point_in_world);
+}
+
+std::optional<double> SlidingWindow::MeanReprojectionError(const Landmark& landmark) const {
+  double sum = 0.0;
+  int count = 0;
+  bool in_front = true;
+  ForEachView(landmark, [&](const Rigid3& cam_from_anchor, const Eigen::Vector2d& seen) {
+    const Eigen::Vector3d in_cam =
+        cam_from_anchor.rotation * landmark.point->head<2>().homogeneous() +
+        landmark.point->z() * cam_from_anchor.translation;
+    in_front = in_front && IsInFront(in_cam);
+    sum += (in_cam.hnormalized() - seen).norm();
+    ++count;
+  });
+  if (!in_front) {
+    return std::nullopt;
+  }
+  return sum / count;
 }
 
 void SlidingWindow::RemoveOutliers() {
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
     const Landmark& landmark = it->second;
-    if (!landmark.inverse_depth) {
+    if (!landmark.point) {
       ++it;
       continue;
     }
-    const bool in_front = *landmark.inverse_depth > 0.0;
+    const bool in_front = landmark.point->z() > 0.0;
     const auto error = in_front ? MeanReprojectionError(landmark) : std::nullopt;
-    it = error && *error <= options_.max_mean_error ? std::next(it) : Erase(it);
+    if (error && *error <= options_.max_mean_error) {
+      ++it;
+    } else if (landmark.views.back().frame_id == frames_.back().id) {
+      // The track goes on: what the newest frame sees may be right.
+      it->second.views = {landmark.views.back()};
+      it->second.point = TriangulateViews(landmark.views);
+      ++it;
+    } else {
+      it = Erase(it);
+    }
   }
 }
 
@@ -250,7 +274,7 @@ void SlidingWindow::DropFrame(std::size_t index) {
     }
     const bool is_anchor = view == landmark.views.begin();
     std::optional<Eigen::Vector3d> point_in_world;
-    if (is_anchor && landmark.inverse_depth) {
+    if (is_anchor && landmark.point) {
       point_in_world = ToAnchoredPoint(landmark).InWorld();
     }
     landmark.views.erase(view);
@@ -261,12 +285,7 @@ void SlidingWindow::DropFrame(std::size_t index) {
     if (point_in_world) {
       const Rigid3 world_from_cam =
           FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
-      const double depth = (world_from_cam.Inverse() * *point_in_world).z();
-      if (!(depth > 0.0)) {
-        it = Erase(it);
-        continue;
-      }
-      landmark.inverse_depth = 1.0 / depth;
+      landmark.point = ToInverseDepth(world_from_cam.Inverse() * *point_in_world);
     }
     ++it;
   }

@@ -50,7 +50,7 @@ struct SlidingWindowOptions {
 };
 
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
-/// without the inertial part). Landmarks are known by inverse depth along the ray of their anchor,
+/// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
 /// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
 /// is the gauge.
 class SlidingWindow {
@@ -85,7 +85,8 @@ class SlidingWindow {
   /// Bundle adjustment. Throws nothing: where the solver fails the window stays as it was, and the
   /// answer is false.
   bool Optimize();
-  /// Drops landmarks that fit badly or came to lie behind a camera that sees them.
+  /// Drops landmarks that fit badly or came to lie behind a camera that sees them; those seen in
+  /// the newest frame start again from it.
   void RemoveOutliers();
   /// Makes room for the next frame: where the window is full, drops the newest but one if it is no
   /// key frame (and tracking has not just broken down), else the oldest.
@@ -105,8 +106,9 @@ class SlidingWindow {
   };
   struct Landmark {
     int64_t track_id = 0;
-    std::vector<LandmarkView> views;      // in order of frames; the first is the anchor
-    std::optional<double> inverse_depth;  // 1/m, in the anchor's left view; positive
+    std::vector<LandmarkView> views;  // in order of frames; the first is the anchor
+    /// Estimate in the anchor's left view: u, v on the normalised plane, inverse depth (1/m).
+    std::optional<Eigen::Vector3d> point;
   };
   using Landmarks = std::map<int64_t, Landmark>;
 
@@ -114,9 +116,14 @@ class SlidingWindow {
   const Frame& FrameOf(const LandmarkView& view) const {
     return frames_[FrameIndex(view.frame_id)];
   }
+  /// Calls visit(cam_from_anchor_cam, observed) for every view, left and right, of a landmark.
+  template <typename Visitor>
+  void ForEachView(const Landmark& landmark, Visitor visit) const;
   AnchoredPoint ToAnchoredPoint(const Landmark& landmark) const;
   void DecideKeyframe(std::size_t new_tracks);
   double MeanParallax(int64_t frame_id0, int64_t frame_id1) const;
+  /// The point in the first view (as Landmark::point), where triangulation succeeds.
+  std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
