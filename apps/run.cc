@@ -167,13 +167,19 @@ std::string TrajectoryHeader(const vo::StereoRig& rig) {
 void Run(const RunArguments& arguments, const CLI::App& command) {
   const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
   nn::ThreadPool pool(arguments.networks.threads);
+  vo::OdometryOptions odometry_options = arguments.odometry;
+  if (arguments.method == "klt") {
+    // The baseline trusts its calibration, as VINS-Fusion does: the errors of optical flow between
+    // the two cameras are not zero on average, and would pass for an error of the calibration.
+    odometry_options.window.right_turn_sigma = 0.0;
+  }
   cv::setNumThreads(pool.size());
   Networks networks;
   if (arguments.method != "klt") {
     networks = LoadNetworks(arguments.networks, arguments.matcher == "superglue");
   }
   vo::Odometry odometry(dataset.rig, MakeFrontEnd(arguments, dataset.rig, networks, pool),
-                        arguments.odometry);
+                        odometry_options);
 
   RunMetrics metrics;
   vo::Trajectory trajectory;

@@ -120,8 +120,9 @@ LearnedFrontEnd::RightViews LearnedFrontEnd::MatchStereo(const nn::Features& lef
     }
     const Eigen::Vector2d in_left = rig_.cameras[0].Undistort(PixelOf(left, i));
     const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(PixelOf(views.features, match));
-    if (epipolar_.Distance(in_left, in_right) > options_.max_epipolar_error_px ||
-        !epipolar_.InFront(in_left, in_right, options_.max_epipolar_error_px)) {
+    // Also false where a pixel is beyond the camera model and has no ray.
+    const bool on_line = epipolar_.Distance(in_left, in_right) <= options_.max_epipolar_error_px;
+    if (!on_line || !epipolar_.InFront(in_left, in_right, options_.max_epipolar_error_px)) {
       match = -1;
       views.matches.scores0[i] = 0.0F;
     }

@@ -29,10 +29,18 @@ struct Camera {
 
   /// Pixel of a point of the camera frame, metres; the point's z must be positive.
   Eigen::Vector2d Project(const Eigen::Vector3d& point_in_cam) const;
-  /// Pixel of a point of the normalised plane z = 1.
+  /// Pixel of a point of the normalised plane z = 1. Both models hold only around the centre: far
+  /// out, where the polynomial turns, points come back into the image. Undistort never returns
+  /// such a point, so Undistort(Distort(p)) tells whether p is within.
   Eigen::Vector2d Distort(const Eigen::Vector2d& normalized) const;
-  /// Point of the normalised plane z = 1 seen at a pixel: Newton's iteration on the distortion, to
-  /// 1e-9 of a pixel where the model is invertible.
+  /// Derivative of Distort by the point of the normalised plane, pixels.
+  Eigen::Matrix2d DistortJacobian(const Eigen::Vector2d& normalized) const;
+  /// Point of the normalised plane z = 1 seen at a pixel, to 1e-9 of a pixel: Newton's iteration
+  /// on the distortion, begun at the pixel itself. The only point it returns is the one on the
+  /// branch of the model that begins at the centre. NaN in both coordinates where there is none:
+  /// at pixels beyond the range of a radial-tangential model, and at those of an equidistant
+  /// camera that look 90 degrees or more to the side (the corners of a TUM-VI image), so check
+  /// allFinite().
   Eigen::Vector2d Undistort(const Eigen::Vector2d& pixel) const;
 };
 
@@ -46,6 +54,10 @@ struct StereoRig {
   Rigid3 right_from_left() const { return body_from_cam[1].Inverse() * body_from_cam[0]; }
   /// Distance of the two camera centres, metres.
   double baseline() const { return right_from_left().translation.norm(); }
+
+  /// Throws Error naming `what` for an invalid camera, a pose that is not finite, or two cameras in
+  /// the same place.
+  void Validate(const std::string& what) const;
 };
 
 }  // namespace gluevo::vo

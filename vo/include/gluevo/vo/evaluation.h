@@ -9,7 +9,7 @@
 namespace gluevo::vo {
 
 struct EvaluationOptions {
-  /// Poses closer in time than this belong together.
+  /// Poses at most this far apart in time belong together, seconds.
   double max_time_difference_s = 0.01;
   void Validate() const;
 };
@@ -21,32 +21,41 @@ struct Similarity3 {
 };
 
 /// Least-squares alignment of two equally long lists of points (Umeyama 1991, eq. 34 to 43), with
-/// or without scale. Throws Error for fewer than 3 points or points all in one place.
+/// or without scale. Throws Error for lists of different lengths, fewer than 3 points, or points
+/// (of either list) all in one place.
 Similarity3 AlignUmeyama(const std::vector<Eigen::Vector3d>& source,
                          const std::vector<Eigen::Vector3d>& target, bool with_scale);
 
-/// How an estimate compares with ground truth, over the poses that associate by time.
+/// How an estimate compares with ground truth, over the poses that associate by time: each pose of
+/// the shorter trajectory with the nearest in time of the longer one (the earlier of two equally
+/// near), as the public tool evo does. Poses must be of the same body frame; the world frames may
+/// differ.
 struct Evaluation {
   std::size_t pairs = 0;
   /// Absolute trajectory error: RMSE of positions after SE(3) and after Sim(3) alignment, metres
-  /// (Sturm et al. 2012).
+  /// (Sturm et al. 2012). Where the estimate or the ground truth does not move at all, only the
+  /// means are aligned.
   double ate_se3_m = 0.0;
   double ate_sim3_m = 0.0;
-  /// Scale of the Sim(3) alignment, ground truth over estimate.
+  /// Scale of the Sim(3) alignment, ground truth over estimate; NaN where either does not move.
   double scale = 1.0;
+  /// The SE(3) alignment: the estimate's world to the ground truth's.
+  Rigid3 groundtruth_world_from_estimate_world;
   /// Relative pose error over sub-paths (Geiger et al. 2012): mean over all starts and lengths of
   /// the translation error in percent of the length and of the rotation error in degrees a metre.
+  /// Every associated pose is a start (KITTI's own tool takes every tenth, too few for a short
+  /// run); a sub-path ends at the first pose beyond its length along the ground truth.
   /// The lengths are KITTI's, 100 to 800 m in steps of 100, divided by 10 until the path holds
-  /// at least five of them. NaN where the ground truth hardly moves.
+  /// at least five of them, at most three times: NaN where the ground truth moves less than 0.5 m.
   double rpe_translation_percent = 0.0;
   double rpe_rotation_deg_per_m = 0.0;
-  std::vector<double> rpe_lengths_m;
+  std::vector<double> rpe_lengths_m;  ///< The lengths that have at least one sub-path.
   /// Share of the ground truth's time that lies between the first and the last associated pose and
   /// within gaps of at most 1 s (or thrice the median step) between them, 0 to 1.
   double coverage = 0.0;
 };
 
-/// Throws Error where fewer than 3 poses associate.
+/// Throws Error where fewer than 3 poses associate. Both trajectories must be in order of time.
 Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
                     const EvaluationOptions& options);
 

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+// Each subcommand of `gluevo` is one file that adds itself.
+namespace gluevo::apps {
+
+void AddEvaluateCommand(CLI::App& app);
+void AddRunCommand(CLI::App& app);
+
+}  // namespace gluevo::apps

@@ -1,0 +1,91 @@
+// EuRoC's ASL layout (Burri et al. 2016), and TUM-VI, which uses it with equidistant cameras.
+
+#include <map>
+
+#include "dataset_formats.h"
+#include "gluevo/nn/error.h"
+#include "text_file.h"
+#include "yaml_file.h"
+
+namespace gluevo::vo {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path Mav0(const fs::path& root) {
+  return fs::is_directory(root / "mav0") ? root / "mav0" : root;
+}
+
+// File names by time, as data.csv lists them.
+std::map<int64_t, fs::path> ListCamera(const fs::path& camera_folder) {
+  CheckFolder(camera_folder, "a camera of a EuRoC data set");
+  const fs::path csv = camera_folder / "data.csv";
+  std::map<int64_t, fs::path> images;
+  for (const TextLine& line : ReadLines(csv, /*skip_comments=*/true)) {
+    const auto fields = SplitFields(line.text, ',');
+    const auto timestamp_ns = ParseInteger(fields[0]);
+    if (fields.size() < 2 || !timestamp_ns || fields[1].empty()) {
+      throw Error(At(csv, line) + ": expected \"timestamp [ns],filename\"");
+    }
+    if (!images.emplace(*timestamp_ns, camera_folder / "data" / std::string(fields[1])).second) {
+      throw Error(At(csv, line) + ": the time " + std::to_string(*timestamp_ns) +
+                  " is there twice");
+    }
+  }
+  return images;
+}
+
+StereoRig ReadRig(const fs::path& root, const fs::path& mav0) {
+  const fs::path sensor_files[] = {mav0 / "cam0" / "sensor.yaml", mav0 / "cam1" / "sensor.yaml"};
+  const fs::path camchain = root / "dso" / "camchain.yaml";
+  if (!fs::exists(sensor_files[0]) && fs::exists(camchain)) {
+    return RigFromCamchain(camchain);
+  }
+  StereoRig rig;
+  rig.body_frame = "imu (body)";
+  for (std::size_t side = 0; side < 2; ++side) {
+    const fs::path& file = sensor_files[side];
+    const YAML::Node node = ReadYaml(file);
+    rig.cameras[side] = CameraFromYaml(node, file);
+    rig.body_from_cam[side] = RigidFromRows(YamlNumbers(node, "T_BS", 0, file), "T_BS", file);
+  }
+  return rig;
+}
+
+}  // namespace
+
+bool IsEuroc(const fs::path& root) {
+  return fs::is_directory(root / "mav0") || fs::exists(root / "cam0" / "data.csv");
+}
+
+Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
+  const fs::path mav0 = Mav0(root);
+  Dataset dataset;
+  dataset.root = root;
+  dataset.format = DatasetFormat::kEuroc;
+  const std::map<int64_t, fs::path> left = ListCamera(mav0 / "cam0");
+  const std::map<int64_t, fs::path> right = ListCamera(mav0 / "cam1");
+  dataset.rig = ReadRig(root, mav0);
+  // A few images of either camera have no mate in the published sequences: they are left out.
+  for (const auto& [timestamp_ns, image] : left) {
+    if (const auto mate = right.find(timestamp_ns); mate != right.end()) {
+      CheckImageFile(image);
+      CheckImageFile(mate->second);
+      dataset.entries.push_back({timestamp_ns, {image, mate->second}});
+    }
+  }
+  std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
+                                      mav0 / "mocap0" / "data.csv"};
+  if (options.groundtruth) {
+    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
+  } else {
+    for (const fs::path& candidate : candidates) {
+      if (!dataset.groundtruth && fs::exists(candidate)) {
+        dataset.groundtruth = ReadTrajectory(candidate);
+      }
+    }
+  }
+  return dataset;
+}
+
+}  // namespace gluevo::vo
