@@ -1,0 +1,273 @@
+#include "simulation_renderer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "gluevo/vo/simulation.h"
+#include "simulation_path.h"
+
+namespace gluevo::vo {
+namespace {
+
+/// OpenCV's own camera model, so that nothing of ours checks itself.
+std::vector<cv::Point2d> ProjectWithOpenCv(const StereoRig& rig, int camera,
+                                           const Rigid3& world_from_body,
+                                           const std::vector<Eigen::Vector3d>& points_in_world) {
+  const Camera& model = rig.cameras[camera];
+  const Rigid3 cam_from_world = (world_from_body * rig.body_from_cam[camera]).Inverse();
+  cv::Mat rotation;
+  cv::eigen2cv(Eigen::Matrix3d(cam_from_world.rotation.toRotationMatrix()), rotation);
+  cv::Mat rotation_vector;
+  cv::Rodrigues(rotation, rotation_vector);
+  const Eigen::Vector3d& t = cam_from_world.translation;
+  const cv::Matx33d matrix(model.fx, 0, model.cx, 0, model.fy, model.cy, 0, 0, 1);
+  const std::vector<double> distortion(model.coefficients.begin(), model.coefficients.end());
+  std::vector<cv::Point3d> points;
+  for (const Eigen::Vector3d& point : points_in_world) {
+    points.emplace_back(point.x(), point.y(), point.z());
+  }
+  std::vector<cv::Point2d> pixels;
+  cv::projectPoints(points, rotation_vector, cv::Vec3d(t.x(), t.y(), t.z()), matrix, distortion,
+                    pixels);
+  return pixels;
+}
+
+/// Centroid of the polygon's inside (Green's theorem).
+cv::Point2d PolygonCentroid(const std::vector<cv::Point2d>& polygon) {
+  double area = 0.0;
+  cv::Point2d moment(0.0, 0.0);
+  // Relative to a vertex: the sums of large coordinates would cancel.
+  const cv::Point2d origin = polygon.front();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const cv::Point2d a = polygon[i] - origin;
+    const cv::Point2d b = polygon[(i + 1) % polygon.size()] - origin;
+    const double cross = a.x * b.y - b.x * a.y;
+    area += cross / 2.0;
+    moment += (a + b) * (cross / 6.0);
+  }
+  return origin + moment / area;
+}
+
+constexpr double kDiscRadius = 0.12;
+constexpr double kDiscSpacing = 0.5;
+
+/// A wall of 7 x 4.5 m, turned, with black discs on white, in an empty room.
+SimulatedWorld WorldOfDiscs() {
+  SimulatedWorld world;
+  world.room.half_size = {10.0, 10.0, 5.0};
+  SimulatedBox wall;
+  wall.center = {2.5, 0.0, 0.0};
+  wall.half_size = {0.1, 3.5, 2.25};
+  wall.yaw = 0.25;
+  const Pattern discs = [](double u, double v) {
+    const double x = u - kDiscSpacing * std::round(u / kDiscSpacing);
+    const double y = v - kDiscSpacing * std::round(v / kDiscSpacing);
+    return std::hypot(x, y) < kDiscRadius ? 0.0 : 200.0 / 255.0;
+  };
+  wall.faces[0] = Texture(7.0, 4.5, 0.001, discs, 2);
+  world.boxes.push_back(std::move(wall));
+  return world;
+}
+
+/// At the origin, looking along +x with a tilt.
+Rigid3 TiltedBody() {
+  Eigen::Matrix3d world_from_body;
+  world_from_body.col(0) = Eigen::Vector3d::UnitZ();
+  world_from_body.col(1) = -Eigen::Vector3d::UnitY();
+  world_from_body.col(2) = Eigen::Vector3d::UnitX();
+  const Eigen::AngleAxisd tilt(0.1, Eigen::Vector3d(1.0, -0.5, 0.7).normalized());
+  return {Eigen::Quaterniond(world_from_body * tilt), Eigen::Vector3d(0.05, -0.1, 0.03)};
+}
+
+// The figures of the picture itself: the centroid of each rendered disc against that of the outline
+// projected with OpenCV. Edges are known to a quarter of a pixel's area and to half a texel
+// (0.2 px), both random along an outline of more than 100 pixels around an area of more than 1000,
+// so that a centroid is good to about 0.2 * sqrt(100) * 20 / 1000 / 4 = 0.01 px.
+TEST(RendererTest, DrawsDiscsWhereTheCameraModelPutsThem) {
+  const StereoRig rig = SimulationRig(752, 480);
+  const SimulatedWorld world = WorldOfDiscs();
+  const Renderer renderer(rig, world, 0.0, 2);
+  const Rigid3 world_from_body = TiltedBody();
+  for (int camera = 0; camera < 2; ++camera) {
+    const cv::Mat image = renderer.Render(camera, world_from_body, 0);
+    int compared = 0;
+    for (int column = 1; column < 14; ++column) {
+      for (int row = 1; row < 9; ++row) {
+        std::vector<Eigen::Vector3d> outline;
+        for (int i = 0; i < 720; ++i) {
+          const double angle = i * std::numbers::pi / 360.0;
+          const double u = kDiscSpacing * column + kDiscRadius * std::cos(angle);
+          const double v = kDiscSpacing * row + kDiscRadius * std::sin(angle);
+          outline.push_back(world.boxes[0].WorldFromBox({-0.1, u - 3.5, v - 2.25}));
+        }
+        const std::vector<cv::Point2d> pixels =
+            ProjectWithOpenCv(rig, camera, world_from_body, outline);
+        cv::Rect window = cv::boundingRect(std::vector<cv::Point2f>(pixels.begin(), pixels.end()));
+        window -= cv::Point(4, 4);
+        window += cv::Size(8, 8);
+        if ((window & cv::Rect(cv::Point(), image.size())) != window) continue;
+        double weight = 0.0;
+        cv::Point2d sum(0.0, 0.0);
+        for (int y = window.y; y < window.br().y; ++y) {
+          for (int x = window.x; x < window.br().x; ++x) {
+            const double dark = 200.0 - image.at<uint8_t>(y, x);
+            weight += dark;
+            sum += dark * cv::Point2d(x, y);
+          }
+        }
+        const cv::Point2d expected = PolygonCentroid(pixels);
+        EXPECT_NEAR(sum.x / weight, expected.x, 0.02) << camera << " " << column << " " << row;
+        EXPECT_NEAR(sum.y / weight, expected.y, 0.02) << camera << " " << column << " " << row;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 12) << camera;
+  }
+}
+
+class HallTest : public ::testing::Test {
+ protected:
+  HallTest()
+      : rig_(SimulationRig(752, 480)),
+        path_(MakeSimulationPath("hall_loop")),
+        world_(MakeHall(7, PathPoints(), 0.02, 2)) {}
+
+  std::vector<Eigen::Vector3d> PathPoints() const {
+    std::vector<Eigen::Vector3d> points;
+    for (double time = 0.0; time < 21.0; time += 0.05) points.push_back(path_(time).translation);
+    return points;
+  }
+
+  StereoRig rig_;
+  SimulationPath path_;
+  SimulatedWorld world_;
+};
+
+TEST_F(HallTest, ExactPointsReprojectIntoBothImages) {
+  const Renderer renderer(rig_, world_, 0.0, 2);
+  int seen_by_both = 0;
+  int hidden = 0;
+  for (const double time : {0.0, 3.7, 9.1, 14.2}) {
+    const Rigid3 world_from_body = path_(time);
+    const Rigid3 world_from_right = world_from_body * rig_.body_from_cam[1];
+    for (int y = 10; y < 480; y += 47) {
+      for (int x = 10; x < 752; x += 61) {
+        const auto point = renderer.PointAt(0, world_from_body, {x, y});
+        ASSERT_TRUE(point.has_value());
+        const cv::Point2d left = ProjectWithOpenCv(rig_, 0, world_from_body, {*point})[0];
+        EXPECT_NEAR(left.x, x, 1e-6);
+        EXPECT_NEAR(left.y, y, 1e-6);
+        const cv::Point2d right = ProjectWithOpenCv(rig_, 1, world_from_body, {*point})[0];
+        if (right.x < 0 || right.y < 0 || right.x > 751 || right.y > 479) continue;
+        const auto again = renderer.PointAt(1, world_from_body, {right.x, right.y});
+        ASSERT_TRUE(again.has_value());
+        // What the right camera sees there is the same point, or something in front of it.
+        const Eigen::Vector3d ray = *point - world_from_right.translation;
+        const Eigen::Vector3d ray_again = *again - world_from_right.translation;
+        EXPECT_LT(ray.cross(ray_again).norm(), 1e-6 * ray.norm() * ray_again.norm());
+        EXPECT_LT(ray_again.norm(), ray.norm() + 1e-6);
+        (ray.norm() - ray_again.norm() < 1e-6 ? seen_by_both : hidden) += 1;
+      }
+    }
+  }
+  EXPECT_GT(seen_by_both, 300);
+  EXPECT_LT(hidden, seen_by_both / 10);
+}
+
+TEST_F(HallTest, ConesOfRaysLoseNoBox) {
+  std::vector<int> all(world_.boxes.size());
+  std::iota(all.begin(), all.end(), 0);
+  RandomStream random(3);
+  int on_boxes = 0;
+  for (int i = 0; i < 400; ++i) {
+    const WorldView view(world_, path_(random.Uniform(0.0, 20.0)).translation);
+    const auto direction = [&] {
+      return Eigen::Vector3d(random.Uniform(-1, 1), random.Uniform(-1, 1),
+                             random.Uniform(-0.5, 0.5))
+          .normalized();
+    };
+    const Eigen::Vector3d axis = direction();
+    const double half_angle = random.Uniform(0.0, 0.2);
+    std::vector<int> some;
+    view.BoxesInCone(axis, half_angle, &some);
+    for (int j = 0; j < 20; ++j) {
+      const Eigen::AngleAxisd turn(random.Uniform(0.0, half_angle),
+                                   axis.cross(direction()).normalized());
+      const Eigen::Vector3d ray = turn * axis;
+      const auto expected = view.Cast(ray, all);
+      const auto actual = view.Cast(ray, some);
+      ASSERT_TRUE(expected && actual);
+      EXPECT_EQ(actual->box, expected->box);
+      EXPECT_EQ(actual->distance, expected->distance);
+      on_boxes += expected->box >= 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(on_boxes, 1000);
+}
+
+TEST_F(HallTest, PathKeepsClearOfEverything) {
+  EXPECT_GE(world_.boxes.size(), 9U);
+  for (const Eigen::Vector3d& point : PathPoints()) {
+    EXPECT_LT(
+        (point - world_.room.center).cwiseQuotient(world_.room.half_size).cwiseAbs().maxCoeff(),
+        0.9);
+    for (const SimulatedBox& box : world_.boxes) EXPECT_GT(box.Distance(point), 0.59);
+  }
+}
+
+TEST_F(HallTest, EveryViewHasCornersAllOver) {
+  const SimulatedWorld world = MakeHall(7, PathPoints(), 0.004, 2);
+  const Renderer renderer(rig_, world, 2.0, 2);
+  for (const double time : {0.0, 4.0, 8.0, 12.0, 16.0}) {
+    const cv::Mat image = renderer.Render(0, path_(time), 1);
+    const double mean = cv::mean(image)[0];
+    EXPECT_GT(mean, 60.0) << time;
+    EXPECT_LT(mean, 170.0) << time;
+    for (int quarter = 0; quarter < 4; ++quarter) {
+      const cv::Rect part(quarter % 2 * 376, quarter / 2 * 240, 376, 240);
+      std::vector<cv::Point2f> corners;
+      cv::goodFeaturesToTrack(image(part), corners, 1000, 0.03, 10.0);
+      EXPECT_GT(corners.size(), 60U) << time << " s, quarter " << quarter;
+    }
+  }
+}
+
+TEST(TextureTest, SamplesWhatWasBaked) {
+  // A ramp of 0.1 a metre: bilinear sampling reproduces it up to the rounding to 1 / 255, at all
+  // scales and away from the edges.
+  const Texture texture(
+      2.0, 1.0, 0.01, [](double u, double v) { return 0.1 * u + 0.3 * v; }, 2);
+  for (const double footprint : {0.001, 0.01, 0.02, 0.05}) {
+    for (const double u : {0.2, 0.513, 1.7}) {
+      for (const double v : {0.21, 0.777}) {
+        EXPECT_NEAR(texture.Sample(u, v, footprint), 255.0 * (0.1 * u + 0.3 * v), 1.0);
+      }
+    }
+  }
+}
+
+TEST(NormalTableTest, IsStandardNormal) {
+  const NormalTable normal;
+  double sum = 0.0;
+  double squares = 0.0;
+  int within_one = 0;
+  constexpr int kCount = 1 << NormalTable::kBits;
+  for (int i = 0; i < kCount; ++i) {
+    const double value = normal(static_cast<uint64_t>(i) << (64 - NormalTable::kBits));
+    sum += value;
+    squares += value * value;
+    within_one += std::abs(value) < 1.0 ? 1 : 0;
+  }
+  EXPECT_NEAR(sum / kCount, 0.0, 1e-6);
+  EXPECT_NEAR(squares / kCount, 1.0, 2e-3);
+  EXPECT_NEAR(static_cast<double>(within_one) / kCount, 0.682689, 1e-3);
+}
+
+}  // namespace
+}  // namespace gluevo::vo

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/camera.h"
+
+namespace gluevo::vo {
+
+struct SimulationOptions {
+  /// Name of the path that the body flies, one of SimulationPaths().
+  std::string path = "hall_loop";
+  /// Makes the room, its textures and all noise.
+  uint64_t seed = 1;
+  double duration_s = 20.0;
+  /// Stereo pairs a second.
+  double rate_hz = 10.0;
+  /// Size of the images in pixels; the cameras' focal lengths follow the width.
+  int width = 752;
+  int height = 480;
+  /// Standard deviation of the sensor noise at full white, gray levels; it falls with the square
+  /// root of the brightness (shot noise) to a third in the dark. 0 for none.
+  double noise = 2.0;
+  /// 0: as many as the machine has. The files are the same bytes for any number.
+  int threads = 0;
+
+  /// Throws Error naming the option.
+  void Validate() const;
+};
+
+/// The names of the paths that can be flown.
+std::vector<std::string> SimulationPaths();
+
+/// The stereo rig of EuRoC's recordings (Burri et al. 2016: intrinsics, radial-tangential
+/// distortion and extrinsics of the Vicon rooms), scaled to images of width x height pixels: focal
+/// lengths by width / 752, principal points keeping their offset from the centre. Throws Error
+/// where the distortion cannot be undone over such an image.
+StereoRig SimulationRig(int width, int height);
+
+/// Renders a stereo sequence through a textured room as an EuRoC ASL folder: directory/mav0 with
+/// cam0, cam1 (png), imu0 (200 Hz, with EuRoC's noise and biases) and the ground truth of the body
+/// at every image's and every IMU sample's time. The folder is made under the name
+/// "DIRECTORY.part" and renamed when whole. `progress` is called with the images done and all
+/// images, from one thread at a time. Throws Error where the directory exists or cannot be written.
+void Simulate(const SimulationOptions& options, const std::filesystem::path& directory,
+              const std::function<void(int, int)>& progress = {});
+
+}  // namespace gluevo::vo

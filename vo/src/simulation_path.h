@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <string>
+
+#include "gluevo/vo/rigid3.h"
+
+namespace gluevo::vo {
+
+/// world_from_body at a time in seconds after the start; smooth (three times differentiable), at
+/// rest before 0. The world's z points up. The body is EuRoC's: x up, y right, z forward.
+using SimulationPath = std::function<Rigid3(double)>;
+
+/// Throws Error listing the known names for an unknown one.
+SimulationPath MakeSimulationPath(const std::string& name);
+
+/// What an ideal inertial unit on the path would feel.
+struct Motion {
+  Rigid3 world_from_body;
+  Eigen::Vector3d velocity_in_world;         // m/s
+  Eigen::Vector3d acceleration_in_world;     // m/s^2
+  Eigen::Vector3d angular_velocity_in_body;  // rad/s
+  Eigen::Vector3d specific_force_in_body;    // m/s^2: acceleration minus gravity
+};
+
+/// Gravity in the simulated world, m/s^2 (along -z).
+inline constexpr double kSimulationGravity = 9.81;
+
+/// By central differences over 2 ms: for paths whose jerk changes by less than 10 m/s^4 the error
+/// is below 1e-6 m/s^2 and 1e-6 rad/s, a thousandth of the sensor's noise.
+Motion MotionAt(const SimulationPath& path, double time_s);
+
+}  // namespace gluevo::vo
