@@ -7,5 +7,6 @@ namespace gluevo::apps {
 
 void AddEvaluateCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);
+void AddSimulateCommand(CLI::App& app);
 
 }  // namespace gluevo::apps

@@ -13,6 +13,7 @@ int main(int argc, char** argv) {
   app.footer("Example:\n  gluevo run data/V1_01_easy -o results/V1_01");
   gluevo::apps::AddRunCommand(app);
   gluevo::apps::AddEvaluateCommand(app);
+  gluevo::apps::AddSimulateCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
