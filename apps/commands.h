@@ -6,6 +6,8 @@
 namespace gluevo::apps {
 
 void AddEvaluateCommand(CLI::App& app);
+void AddExtractCommand(CLI::App& app);
+void AddMatchCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 

@@ -12,6 +12,8 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo run data/V1_01_easy -o results/V1_01");
   gluevo::apps::AddRunCommand(app);
+  gluevo::apps::AddExtractCommand(app);
+  gluevo::apps::AddMatchCommand(app);
   gluevo::apps::AddEvaluateCommand(app);
   gluevo::apps::AddSimulateCommand(app);
   try {

@@ -49,6 +49,16 @@ void AddNetworkOptions(CLI::App& command, NetworkOptions& options) {
       ->check(CLI::Range(1, 1024));
 }
 
+void AddSuperPointOptions(CLI::App& command, nn::SuperPointOptions& options) {
+  command
+      .add_option("--keypoint-threshold", options.keypoint_threshold,
+                  "SuperPoint's score above which a pixel is a keypoint")
+      ->capture_default_str();
+  command
+      .add_option("--max-keypoints", options.max_keypoints, "At most so many keypoints an image")
+      ->capture_default_str();
+}
+
 Networks LoadNetworks(const NetworkOptions& options, bool with_superglue) {
   std::optional<fs::path> superpoint_file;
   std::optional<fs::path> superglue_file;

@@ -21,6 +21,8 @@ struct NetworkOptions {
 
 void AddNetworkOptions(CLI::App& command, NetworkOptions& options);
 
+void AddSuperPointOptions(CLI::App& command, nn::SuperPointOptions& options);
+
 /// Name and checksum of a network's weights, for records.
 struct WeightsRecord {
   std::string source;

@@ -84,16 +84,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   AddNetworkOptions(command, arguments.networks);
 
   const std::string tuning = "Tuning";
-  command
-      .add_option("--keypoint-threshold", arguments.superpoint.keypoint_threshold,
-                  "SuperPoint's score above which a pixel is a keypoint")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--max-keypoints", arguments.superpoint.max_keypoints,
-                  "At most so many keypoints an image")
-      ->capture_default_str()
-      ->group(tuning);
+  AddSuperPointOptions(command, arguments.superpoint);
   command
       .add_option("--tracking-threshold", arguments.learned.tracking_threshold,
                   "Confidence of a match from the previous left image")

@@ -1,0 +1,299 @@
+// gluevo match: SuperGlue (or mutual nearest neighbours) over listed pairs or two images.
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <sstream>
+
+#include "commands.h"
+#include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
+#include "gluevo/vo/feature_files.h"
+#include "gluevo/vo/network_matcher.h"
+#include "image_files.h"
+#include "network_options.h"
+#include "progress.h"
+
+namespace gluevo::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MatchArguments {
+  std::vector<fs::path> inputs;
+  fs::path pairs;
+  fs::path output;
+  fs::path draw;
+  fs::path homography;
+  double max_error_px = 3.0;
+  bool json = false;
+  std::string matcher = "superglue";
+  float threshold = 0.2F;
+  NetworkOptions networks;
+  nn::SuperPointOptions superpoint;
+};
+
+std::unique_ptr<vo::Matcher> MakeMatcher(const Networks& networks, nn::ThreadPool& pool) {
+  constexpr int kSinkhornIterations = 100;
+  return networks.superglue != nullptr
+             ? vo::MakeSuperGlueMatcher(networks.superglue, kSinkhornIterations, pool)
+             : vo::MakeNearestNeighborMatcher();
+}
+
+// A cosine is no confidence of a matcher that was trained: nearest neighbours take all.
+float Threshold(const MatchArguments& arguments) {
+  return arguments.matcher == "nn" ? 0.0F : arguments.threshold;
+}
+
+int CountMatches(const nn::Matches& matches) {
+  return static_cast<int>(std::count_if(matches.matches0.begin(), matches.matches0.end(),
+                                        [](int match) { return match >= 0; }));
+}
+
+std::vector<std::pair<std::string, std::string>> ReadPairs(const fs::path& path) {
+  std::ifstream file(path);
+  if (!file || fs::is_directory(path)) {
+    throw Error(path.string() + ": cannot be read (--pairs)");
+  }
+  std::vector<std::pair<std::string, std::string>> pairs;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    std::istringstream words(line);
+    std::string name0;
+    std::string name1;
+    std::string more;
+    if (!(words >> name0)) {
+      continue;
+    }
+    if (!(words >> name1) || words >> more) {
+      throw Error(path.string() + ":" + std::to_string(number) +
+                  ": expected two names, \"name0 name1\"");
+    }
+    pairs.emplace_back(name0, name1);
+  }
+  if (pairs.empty()) {
+    throw Error(path.string() + ": no pairs");
+  }
+  return pairs;
+}
+
+void MatchFile(const MatchArguments& arguments) {
+  const auto pairs = ReadPairs(arguments.pairs);
+  const vo::FeatureReader reader(arguments.inputs[0]);
+  nn::ThreadPool pool(arguments.networks.threads);
+  const Networks networks = LoadNetworks(arguments.networks, arguments.matcher == "superglue");
+  const std::unique_ptr<vo::Matcher> matcher = MakeMatcher(networks, pool);
+
+  vo::MatchWriter writer(arguments.output);
+  std::size_t total = 0;
+  {
+    Progress progress("pair", pairs.size());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto& [name0, name1] = pairs[i];
+      const nn::Matches matches =
+          matcher->Match(reader.Read(name0), reader.Read(name1), Threshold(arguments));
+      writer.Add(name0, name1, matches);
+      total += static_cast<std::size_t>(CountMatches(matches));
+      progress.Update(i + 1, std::to_string(CountMatches(matches)) + " matches");
+    }
+  }
+  writer.Finish();
+  std::cout << pairs.size() << " pairs, " << total << " matches: " << arguments.output.string()
+            << '\n';
+}
+
+// A 3 x 3 matrix in an OpenCV yaml or xml file, or nine numbers in a text file.
+cv::Matx33d ReadHomography(const fs::path& path) {
+  const auto fail = [&]() -> cv::Matx33d {
+    throw Error(path.string() +
+                ": no homography, expected nine numbers or an OpenCV file with a 3 x 3 matrix");
+  };
+  cv::Matx33d homography;
+  std::ifstream file(path);
+  int count = 0;
+  while (count < 9 && file >> homography.val[count]) {
+    ++count;
+  }
+  if (count == 9) {
+    return homography;
+  }
+  try {
+    const cv::FileStorage storage(path.string(), cv::FileStorage::READ);
+    cv::Mat matrix;
+    for (const cv::FileNode node : storage.root()) {
+      node >> matrix;
+      if (matrix.rows == 3 && matrix.cols == 3) {
+        matrix.convertTo(matrix, CV_64F);
+        return cv::Matx33d(matrix.ptr<double>());
+      }
+    }
+  } catch (const cv::Exception&) {
+    return fail();
+  }
+  return fail();
+}
+
+// Matches whose point of image 0 the homography takes to within `max_error_px` of its mate.
+int CountRight(const nn::Features& features0, const nn::Features& features1,
+               const nn::Matches& matches, const cv::Matx33d& homography, double max_error_px) {
+  int right = 0;
+  for (int i = 0; i < features0.size(); ++i) {
+    if (matches.matches0[i] >= 0) {
+      const cv::Vec3d moved =
+          homography * cv::Vec3d(features0.keypoints(i, 0), features0.keypoints(i, 1), 1.0);
+      const auto mate = features1.keypoints.row(matches.matches0[i]);
+      right +=
+          std::hypot(moved[0] / moved[2] - mate[0], moved[1] / moved[2] - mate[1]) <= max_error_px
+              ? 1
+              : 0;
+    }
+  }
+  return right;
+}
+
+// Both images side by side with a line a match, green for sure ones to red.
+void Draw(const fs::path& path, const cv::Mat& image0, const cv::Mat& image1,
+          const nn::Features& features0, const nn::Features& features1,
+          const nn::Matches& matches) {
+  cv::Mat canvas(std::max(image0.rows, image1.rows), image0.cols + image1.cols, CV_8UC3,
+                 cv::Scalar::all(0));
+  cv::cvtColor(image0, canvas(cv::Rect(0, 0, image0.cols, image0.rows)), cv::COLOR_GRAY2BGR);
+  cv::cvtColor(image1, canvas(cv::Rect(image0.cols, 0, image1.cols, image1.rows)),
+               cv::COLOR_GRAY2BGR);
+  for (int i = 0; i < features0.size(); ++i) {
+    const int match = matches.matches0[i];
+    if (match >= 0) {
+      const cv::Point2f from(features0.keypoints(i, 0), features0.keypoints(i, 1));
+      const cv::Point2f to(features1.keypoints(match, 0) + static_cast<float>(image0.cols),
+                           features1.keypoints(match, 1));
+      const double sure = matches.scores0[i];
+      cv::line(canvas, from, to, cv::Scalar(0, 255.0 * sure, 255.0 * (1.0 - sure)), 1, cv::LINE_AA);
+    }
+  }
+  std::string extension = path.extension().string();
+  std::vector<uchar> bytes;
+  try {
+    cv::imencode(extension, canvas, bytes);
+  } catch (const cv::Exception&) {
+    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
+  }
+  nn::WriteWholeFile(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  });
+}
+
+void MatchImages(const MatchArguments& arguments) {
+  std::optional<cv::Matx33d> homography;
+  if (!arguments.homography.empty()) {
+    homography = ReadHomography(arguments.homography);
+  }
+  const cv::Mat images[] = {ReadGrayImage(arguments.inputs[0]), ReadGrayImage(arguments.inputs[1])};
+  nn::ThreadPool pool(arguments.networks.threads);
+  const Networks networks = LoadNetworks(arguments.networks, arguments.matcher == "superglue");
+  const std::unique_ptr<vo::FeatureExtractor> extractor =
+      vo::MakeSuperPointExtractor(networks.superpoint, arguments.superpoint, pool);
+  const nn::Features features0 = extractor->Extract(images[0]);
+  const nn::Features features1 = extractor->Extract(images[1]);
+  const nn::Matches matches =
+      MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
+  const int count = CountMatches(matches);
+
+  if (!arguments.draw.empty()) {
+    Draw(arguments.draw, images[0], images[1], features0, features1, matches);
+  }
+  std::optional<int> right;
+  if (homography) {
+    right = CountRight(features0, features1, matches, *homography, arguments.max_error_px);
+  }
+  if (arguments.json) {
+    nlohmann::ordered_json json;
+    json["keypoints0"] = features0.size();
+    json["keypoints1"] = features1.size();
+    json["matches"] = nlohmann::ordered_json::array();
+    for (int i = 0; i < features0.size(); ++i) {
+      const int match = matches.matches0[i];
+      if (match >= 0) {
+        json["matches"].push_back({{"x0", features0.keypoints(i, 0)},
+                                   {"y0", features0.keypoints(i, 1)},
+                                   {"x1", features1.keypoints(match, 0)},
+                                   {"y1", features1.keypoints(match, 1)},
+                                   {"score", matches.scores0[i]}});
+      }
+    }
+    if (right) {
+      json["right"] = *right;
+      json["precision"] = count > 0 ? static_cast<double>(*right) / count : 0.0;
+    }
+    std::cout << json.dump(2) << '\n';
+    return;
+  }
+  std::cout << features0.size() << " and " << features1.size() << " keypoints, " << count
+            << " matches\n";
+  if (right) {
+    std::cout << *right << " right within " << arguments.max_error_px << " px, precision "
+              << std::fixed << std::setprecision(3)
+              << (count > 0 ? static_cast<double>(*right) / count : 0.0) << '\n';
+  }
+}
+
+}  // namespace
+
+void AddMatchCommand(CLI::App& app) {
+  CLI::App* const command =
+      app.add_subcommand("match", "SuperGlue over pairs of a features file, or over two images");
+  const auto arguments = std::make_shared<MatchArguments>();
+  command->add_option("INPUT", arguments->inputs, "features.h5, or two images")
+      ->required()
+      ->expected(1, 2);
+  command->add_option("--pairs", arguments->pairs, "Pairs to match, \"name0 name1\" a line");
+  command->add_option("-o,--output", arguments->output, "HDF5 file to write the matches to");
+  command->add_option("--draw", arguments->draw, "Image file to draw the matches of two images to");
+  command->add_flag("--json", arguments->json, "Print the matches of two images as JSON");
+  command->add_option("--homography", arguments->homography,
+                      "File with the homography from the first to the second image: counts the "
+                      "right matches");
+  command
+      ->add_option("--max-error", arguments->max_error_px,
+                   "A match this close to the homography is right, pixels")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--matcher", arguments->matcher,
+                   "superglue, or nn for mutual nearest neighbours")
+      ->check(CLI::IsMember({"superglue", "nn"}))
+      ->capture_default_str();
+  command
+      ->add_option("--match-threshold", arguments->threshold,
+                   "Confidence above which SuperGlue's pairs are matches")
+      ->capture_default_str();
+  AddSuperPointOptions(*command, arguments->superpoint);
+  AddNetworkOptions(*command, arguments->networks);
+  command->footer(
+      "Examples:\n  gluevo match features.h5 --pairs pairs.txt -o matches.h5\n"
+      "  gluevo match a.png b.png --draw matches.png");
+  command->callback([arguments] {
+    const bool images = arguments->inputs.size() == 2;
+    if (images && (!arguments->pairs.empty() || !arguments->output.empty())) {
+      throw CLI::ValidationError("two images take neither --pairs nor --output");
+    }
+    if (!images && (arguments->pairs.empty() || arguments->output.empty())) {
+      throw CLI::ValidationError("a features file needs --pairs and --output");
+    }
+    if (images) {
+      MatchImages(*arguments);
+    } else {
+      MatchFile(*arguments);
+    }
+  });
+}
+
+}  // namespace gluevo::apps
