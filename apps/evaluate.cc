@@ -40,6 +40,7 @@ void PrintJson(const vo::Evaluation& evaluation) {
   json["rpe_translation_percent"] = finite(evaluation.rpe_translation_percent);
   json["rpe_rotation_deg_per_m"] = finite(evaluation.rpe_rotation_deg_per_m);
   json["rpe_lengths_m"] = evaluation.rpe_lengths_m;
+  json["right_motions"] = evaluation.right_motions;
   json["coverage"] = finite(evaluation.coverage);
   std::cout << json.dump(2) << '\n';
 }
@@ -52,6 +53,8 @@ void PrintTable(const vo::Evaluation& evaluation) {
             << "scale                       " << evaluation.scale << '\n'
             << "RPE, translation            " << evaluation.rpe_translation_percent << " %\n"
             << "RPE, rotation               " << evaluation.rpe_rotation_deg_per_m << " deg/m\n"
+            << "right motions               " << evaluation.right_motions << " of "
+            << evaluation.pairs - 1 << '\n'
             << "coverage of the time        " << 100.0 * evaluation.coverage << " %\n";
 }
 

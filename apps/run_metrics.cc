@@ -149,6 +149,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
     json["scale"] = Finite(evaluation.scale);
     json["rpe_translation_percent"] = Finite(evaluation.rpe_translation_percent);
     json["rpe_rotation_deg_per_m"] = Finite(evaluation.rpe_rotation_deg_per_m);
+    json["right_motions"] = evaluation.right_motions;
     json["coverage"] = Finite(evaluation.coverage);
   } else if (!context.evaluation_failure.empty()) {
     json["evaluation_failure"] = context.evaluation_failure;
@@ -171,7 +172,8 @@ std::string RunMetrics::Summary(const std::optional<vo::Evaluation>& evaluation)
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "
          << evaluation->ate_sim3_m << " m (Sim3, scale " << evaluation->scale << "); RPE "
          << std::setprecision(3) << evaluation->rpe_translation_percent << " %, "
-         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; coverage "
+         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; right motions "
+         << evaluation->right_motions << " of " << evaluation->pairs - 1 << "; coverage "
          << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
   }
   return text.str();

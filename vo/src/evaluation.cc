@@ -71,6 +71,28 @@ double RmseAfter(const Similarity3& target_from_source, const std::vector<Eigen:
   return std::sqrt(sum / static_cast<double>(source.size()));
 }
 
+// Error of the estimated motion from one pose to another, in the body's frame at the latter.
+Rigid3 MotionError(const Pair& from, const Pair& to) {
+  const auto motion = [&](StampedPose Pair::*pose) {
+    return (from.*pose).world_from_body.Inverse() * (to.*pose).world_from_body;
+  };
+  return motion(&Pair::groundtruth).Inverse() * motion(&Pair::estimate);
+}
+
+double AngleOf(const Rigid3& transform) {
+  return transform.rotation.angularDistance(Eigen::Quaterniond::Identity());
+}
+
+std::size_t CountRightMotions(const std::vector<Pair>& pairs, const EvaluationOptions& options) {
+  std::size_t right = 0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const Rigid3 error = MotionError(pairs[i - 1], pairs[i]);
+    right += error.translation.norm() <= options.right_motion_m &&
+             AngleOf(error) * 180.0 / std::numbers::pi <= options.right_motion_deg;
+  }
+  return right;
+}
+
 void EvaluateRelative(const std::vector<Pair>& pairs, Evaluation& evaluation) {
   std::vector<double> path = {0.0};  // Along the ground truth, metres.
   for (std::size_t i = 1; i < pairs.size(); ++i) {
@@ -99,12 +121,9 @@ void EvaluateRelative(const std::vector<Pair>& pairs, Evaluation& evaluation) {
       if (last == pairs.size()) {
         break;
       }
-      const auto motion = [&](StampedPose Pair::*pose) {
-        return (pairs[first].*pose).world_from_body.Inverse() * (pairs[last].*pose).world_from_body;
-      };
-      const Rigid3 error = motion(&Pair::groundtruth).Inverse() * motion(&Pair::estimate);
+      const Rigid3 error = MotionError(pairs[first], pairs[last]);
       translation_sum += error.translation.norm() / length;
-      rotation_sum += error.rotation.angularDistance(Eigen::Quaterniond::Identity()) / length;
+      rotation_sum += AngleOf(error) / length;
       ++count;
       has_any = true;
     }
@@ -142,6 +161,9 @@ void EvaluationOptions::Validate() const {
   if (!(max_time_difference_s >= 0.0) || !std::isfinite(max_time_difference_s)) {
     throw Error("largest time difference " + std::to_string(max_time_difference_s) +
                 " s is out of range: expected 0 or more");
+  }
+  if (!(right_motion_m > 0.0) || !(right_motion_deg > 0.0)) {
+    throw Error("bounds of a right motion are out of range: expected above 0");
   }
 }
 
@@ -214,6 +236,7 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
     evaluation.groundtruth_world_from_estimate_world = rigid.rigid;
   }
   EvaluateRelative(pairs, evaluation);
+  evaluation.right_motions = CountRightMotions(pairs, options);
   evaluation.coverage = Coverage(pairs, groundtruth);
   return evaluation;
 }

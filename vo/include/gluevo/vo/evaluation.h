@@ -11,6 +11,9 @@ namespace gluevo::vo {
 struct EvaluationOptions {
   /// Poses at most this far apart in time belong together, seconds.
   double max_time_difference_s = 0.01;
+  /// The motion from one associated pose to the next is right within these.
+  double right_motion_m = 0.1;
+  double right_motion_deg = 2.0;
   void Validate() const;
 };
 
@@ -50,6 +53,9 @@ struct Evaluation {
   double rpe_translation_percent = 0.0;
   double rpe_rotation_deg_per_m = 0.0;
   std::vector<double> rpe_lengths_m;  ///< The lengths that have at least one sub-path.
+  /// Motions from one associated pose to the next that are right within the options' bounds, of
+  /// pairs - 1: what is left of it where frames are far apart and tracking breaks.
+  std::size_t right_motions = 0;
   /// Share of the ground truth's time that lies between the first and the last associated pose and
   /// within gaps of at most 1 s (or thrice the median step) between them, 0 to 1.
   double coverage = 0.0;

@@ -1,0 +1,11 @@
+#!/usr/bin/env bash
+# All tests: installs what is missing, builds, runs. Tests on real data skip, and say so, where
+# ../shared is not there.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+mapfile -t packages < cmake/packages.txt
+bash cmake/install_packages.sh "${packages[@]}" clang-format git libbenchmark-dev libgtest-dev
+cmake --preset dev >/dev/null
+cmake --build --preset dev
+ctest --preset dev --output-on-failure -j "$(nproc)" "$@"
