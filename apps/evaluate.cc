@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -75,6 +76,12 @@ void Evaluate(const EvaluateArguments& arguments) {
       by_row ? vo::ReadKittiTrajectoryByRow(arguments.estimate) : read(arguments.estimate);
   const vo::Trajectory groundtruth =
       by_row ? vo::ReadKittiTrajectoryByRow(arguments.groundtruth) : read(arguments.groundtruth);
+  if (by_row && estimate.size() != groundtruth.size()) {
+    throw Error(arguments.estimate.string() + " has " + std::to_string(estimate.size()) +
+                " poses and " + arguments.groundtruth.string() + " " +
+                std::to_string(groundtruth.size()) +
+                ": KITTI files without times belong together row by row");
+  }
   const vo::Evaluation evaluation = vo::Evaluate(estimate, groundtruth, arguments.options);
   if (!arguments.plot.empty()) {
     WriteTrajectoryPlot(arguments.plot, estimate, groundtruth, evaluation);
@@ -101,6 +108,7 @@ void AddEvaluateCommand(CLI::App& app) {
   command
       ->add_option("--max-time-difference", arguments->options.max_time_difference_s,
                    "Poses at most this far apart in time belong together, seconds")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_option("--plot", arguments->plot, "SVG file to draw both trajectories to");
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");

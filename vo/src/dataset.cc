@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
+#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
 #include "dataset_formats.h"
@@ -12,16 +14,36 @@ namespace {
 
 namespace fs = std::filesystem;
 
-cv::Mat ReadGray(const fs::path& path) {
+std::vector<unsigned char> ReadBytes(const fs::path& path) {
   CheckImageFile(path);
+  std::ifstream file(path, std::ios::binary);
+  std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
+    throw Error(path.string() + ": cannot be read");
+  }
+  return bytes;
+}
+
+/// Decoders fill the rest of a JPEG file that is cut off with gray and call it read.
+bool IsCutOffJpeg(const std::vector<unsigned char>& bytes) {
+  constexpr std::array<unsigned char, 2> kBegin = {0xFF, 0xD8};
+  constexpr std::array<unsigned char, 2> kEnd = {0xFF, 0xD9};
+  return bytes.size() >= kBegin.size() && std::equal(kBegin.begin(), kBegin.end(), bytes.begin()) &&
+         std::find_end(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
+}
+
+cv::Mat ReadGray(const fs::path& path) {
+  const std::vector<unsigned char> bytes = ReadBytes(path);
   cv::Mat image;
-  try {
-    image = cv::imread(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception&) {
-    image.release();
+  if (!bytes.empty() && !IsCutOffJpeg(bytes)) {
+    try {
+      image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    } catch (const cv::Exception&) {
+      image.release();
+    }
   }
   if (image.empty() || image.type() != CV_8UC1) {
-    throw Error(path.string() + ": not an image that can be read");
+    throw Error(path.string() + ": not an image, or cut off");
   }
   return image;
 }
@@ -46,7 +68,14 @@ DatasetFormat Recognize(const fs::path& root) {
 }
 
 Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
-  switch (options.format ? *options.format : Recognize(root)) {
+  const DatasetFormat format = options.format ? *options.format : Recognize(root);
+  if (options.calibration &&
+      (format == DatasetFormat::kKittiOdometry || format == DatasetFormat::kKittiRaw)) {
+    throw Error(root.string() +
+                ": a KITTI data set has its own calibration: --calibration is for plain (--format "
+                "plain) and EuRoC data sets");
+  }
+  switch (format) {
     case DatasetFormat::kEuroc:
       return OpenEuroc(root, options);
     case DatasetFormat::kKittiOdometry:
@@ -142,8 +171,10 @@ std::vector<fs::path> ListImages(const fs::path& folder) {
     std::string extension = entry.path().extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (entry.is_regular_file() && std::find(std::begin(kExtensions), std::end(kExtensions),
-                                             extension) != std::end(kExtensions)) {
+    const bool hidden = entry.path().filename().string().starts_with('.');
+    if (!hidden && entry.is_regular_file() &&
+        std::find(std::begin(kExtensions), std::end(kExtensions), extension) !=
+            std::end(kExtensions)) {
       images.push_back(entry.path());
     }
   }
@@ -154,6 +185,11 @@ std::vector<fs::path> ListImages(const fs::path& folder) {
 std::array<int, 2> ImageSize(const fs::path& file) {
   const cv::Mat image = ReadGray(file);
   return {image.cols, image.rows};
+}
+
+fs::path FolderPath(const fs::path& folder) {
+  const fs::path path = fs::absolute(folder).lexically_normal();
+  return path.has_filename() ? path : path.parent_path();
 }
 
 }  // namespace gluevo::vo

@@ -27,7 +27,9 @@ std::map<int64_t, fs::path> ListCamera(const fs::path& camera_folder) {
     if (fields.size() < 2 || !timestamp_ns || fields[1].empty()) {
       throw Error(At(csv, line) + ": expected \"timestamp [ns],filename\"");
     }
-    if (!images.emplace(*timestamp_ns, camera_folder / "data" / std::string(fields[1])).second) {
+    const fs::path image = camera_folder / "data" / std::string(fields[1]);
+    CheckImageFile(image);
+    if (!images.emplace(*timestamp_ns, image).second) {
       throw Error(At(csv, line) + ": the time " + std::to_string(*timestamp_ns) +
                   " is there twice");
     }
@@ -35,9 +37,10 @@ std::map<int64_t, fs::path> ListCamera(const fs::path& camera_folder) {
   return images;
 }
 
-StereoRig ReadRig(const fs::path& root, const fs::path& mav0) {
+StereoRig ReadRig(const fs::path& mav0) {
   const fs::path sensor_files[] = {mav0 / "cam0" / "sensor.yaml", mav0 / "cam1" / "sensor.yaml"};
-  const fs::path camchain = root / "dso" / "camchain.yaml";
+  // TUM-VI's.
+  const fs::path camchain = FolderPath(mav0).parent_path() / "dso" / "camchain.yaml";
   if (!fs::exists(sensor_files[0]) && fs::exists(camchain)) {
     return RigFromCamchain(camchain);
   }
@@ -55,7 +58,8 @@ StereoRig ReadRig(const fs::path& root, const fs::path& mav0) {
 }  // namespace
 
 bool IsEuroc(const fs::path& root) {
-  return fs::is_directory(root / "mav0") || fs::exists(root / "cam0" / "data.csv");
+  return fs::is_directory(root / "mav0") || FolderPath(root).filename() == "mav0" ||
+         fs::exists(root / "cam0" / "data.csv") || fs::exists(root / "cam1" / "data.csv");
 }
 
 Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
@@ -65,17 +69,18 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   dataset.format = DatasetFormat::kEuroc;
   const std::map<int64_t, fs::path> left = ListCamera(mav0 / "cam0");
   const std::map<int64_t, fs::path> right = ListCamera(mav0 / "cam1");
-  dataset.rig = ReadRig(root, mav0);
+  dataset.rig = options.calibration ? RigFromCalibration(*options.calibration) : ReadRig(mav0);
   // A few images of either camera have no mate in the published sequences: they are left out.
   for (const auto& [timestamp_ns, image] : left) {
     if (const auto mate = right.find(timestamp_ns); mate != right.end()) {
-      CheckImageFile(image);
-      CheckImageFile(mate->second);
       dataset.entries.push_back({timestamp_ns, {image, mate->second}});
     }
   }
-  std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
-                                      mav0 / "mocap0" / "data.csv"};
+  if (dataset.entries.empty()) {
+    throw Error(mav0.string() + ": no image of cam0 has the same time as one of cam1");
+  }
+  const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
+                                            mav0 / "mocap0" / "data.csv"};
   if (options.groundtruth) {
     dataset.groundtruth = ReadTrajectory(*options.groundtruth);
   } else {

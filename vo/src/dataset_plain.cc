@@ -28,71 +28,75 @@ std::optional<std::array<fs::path, 2>> FindFolders(const fs::path& root) {
   return std::nullopt;
 }
 
-// OpenCV's stereoCalibrate sample: image size, K1 D1 K2 D2 (or M1, M2), R and T from the first to
-// the second camera. `distortion_model` may say equidistant.
-StereoRig RigFromOpenCv(const YAML::Node& root, const fs::path& path) {
-  StereoRig rig;
-  rig.body_frame = "left camera";
-  const int width = static_cast<int>(YamlNumbers(root, "image_width", 1, path)[0]);
-  const int height = static_cast<int>(YamlNumbers(root, "image_height", 1, path)[0]);
-  for (std::size_t side = 0; side < 2; ++side) {
-    const std::string number = std::to_string(side + 1);
-    const std::vector<double> k =
-        YamlNumbers(root, (root["M" + number] ? "M" : "K") + number, 9, path);
-    const std::vector<double> d = YamlNumbers(root, "D" + number, 0, path);
-    Camera& camera = rig.cameras[side];
-    camera.width = width;
-    camera.height = height;
-    camera.fx = k[0];
-    camera.fy = k[4];
-    camera.cx = k[2];
-    camera.cy = k[5];
-    camera.distortion = root["distortion_model"]
-                            ? DistortionFromName(root["distortion_model"].as<std::string>(), path)
-                            : Distortion::kRadialTangential;
-    const std::size_t most = camera.coefficients.size();
-    if (d.size() > most && std::any_of(d.begin() + static_cast<std::ptrdiff_t>(most), d.end(),
-                                       [](double v) { return v != 0.0; })) {
-      throw Error(path.string() + ": D" + number +
-                  " has more than 5 coefficients, expected k1 k2 "
-                  "p1 p2 k3");
-    }
-    std::copy_n(d.begin(), std::min(d.size(), most), camera.coefficients.begin());
-    camera.Validate(path.string());
+// Nanoseconds of 16 digits or more, or decimal seconds with a point.
+std::optional<int64_t> TimeFromName(const fs::path& image) {
+  constexpr std::size_t kFewestDigits = 16;
+  const std::string stem = image.stem().string();
+  if (stem.find('.') != std::string::npos) {
+    return ParseSeconds(stem);
   }
-  const std::vector<double> r = YamlNumbers(root, "R", 9, path);
-  const std::vector<double> t = YamlNumbers(root, "T", 3, path);
-  rig.body_from_cam[1] =
-      RigidFromRows({r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2]}, "R",
-                    path)
-          .Inverse();
-  return rig;
+  return stem.size() >= kFewestDigits ? ParseInteger(stem) : std::nullopt;
 }
 
-// Times from names that are all nanoseconds (16 digits and more) or all decimal seconds; else ten
-// images a second.
-std::vector<int64_t> TimesFromNames(const std::vector<fs::path>& images) {
-  std::vector<int64_t> times;
-  for (const fs::path& image : images) {
-    const std::string stem = image.stem().string();
-    std::optional<int64_t> time;
-    if (stem.find('.') != std::string::npos) {
-      time = ParseSeconds(stem);
-    } else if (stem.size() >= 16) {
-      time = ParseInteger(stem);
+bool IsDigit(char c) { return c >= '0' && c <= '9'; }
+
+// Names in the order people number them: "2" before "10".
+bool NumbersBefore(const std::string& a, const std::string& b) {
+  std::size_t i = 0;
+  std::size_t j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (!IsDigit(a[i]) || !IsDigit(b[j])) {
+      if (a[i] != b[j]) {
+        return a[i] < b[j];
+      }
+      ++i;
+      ++j;
+      continue;
     }
-    if (!time || (!times.empty() && *time <= times.back())) {
-      break;
+    const auto number = [](const std::string& text, std::size_t& position) {
+      const std::size_t begin = std::min(text.find_first_not_of('0', position), text.size());
+      for (position = begin; position < text.size() && IsDigit(text[position]);) {
+        ++position;
+      }
+      return text.substr(begin, position - begin);
+    };
+    const std::string first = number(a, i);
+    const std::string second = number(b, j);
+    if (first != second) {
+      return first.size() != second.size() ? first.size() < second.size() : first < second;
     }
-    times.push_back(*time);
   }
-  if (times.size() != images.size()) {
-    times.clear();
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      times.push_back(static_cast<int64_t>(i) * 100'000'000);
+  // Equal so far: the shorter one, else ("1" and "01") any fixed order.
+  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
+}
+
+// Times from names where all of them are times; else ten pairs a second, in the order of names.
+std::vector<Dataset::Entry> WithTimes(const std::vector<std::array<fs::path, 2>>& pairs) {
+  constexpr int64_t kTenthOfSecondNs = 100'000'000;
+  std::vector<Dataset::Entry> entries;
+  for (const std::array<fs::path, 2>& pair : pairs) {
+    if (const std::optional<int64_t> time = TimeFromName(pair[0])) {
+      entries.push_back({*time, pair});
     }
   }
-  return times;
+  if (entries.size() == pairs.size()) {
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Dataset::Entry& a, const Dataset::Entry& b) {
+                       return a.timestamp_ns < b.timestamp_ns;
+                     });
+    return entries;
+  }
+  entries.clear();
+  for (const std::array<fs::path, 2>& pair : pairs) {
+    entries.push_back({0, pair});
+  }
+  std::sort(entries.begin(), entries.end(), [](const Dataset::Entry& a, const Dataset::Entry& b) {
+    return NumbersBefore(a.images[0].filename().string(), b.images[0].filename().string());
+  });
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    entries[i].timestamp_ns = static_cast<int64_t>(i) * kTenthOfSecondNs;
+  }
+  return entries;
 }
 
 }  // namespace
@@ -112,27 +116,23 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
   Dataset dataset;
   dataset.root = root;
   dataset.format = DatasetFormat::kPlain;
-  const YAML::Node calibration = ReadYaml(*options.calibration);
-  dataset.rig = calibration["cam0"] ? RigFromCamchain(*options.calibration)
-                                    : RigFromOpenCv(calibration, *options.calibration);
+  dataset.rig = RigFromCalibration(*options.calibration);
   std::set<fs::path> right_names;
   for (const fs::path& image : ListImages((*folders)[1])) {
     right_names.insert(image.filename());
   }
-  std::vector<fs::path> left;
+  // As in EuRoC's sequences, an image without a mate is left out.
+  std::vector<std::array<fs::path, 2>> pairs;
   for (const fs::path& image : ListImages((*folders)[0])) {
     if (right_names.contains(image.filename())) {
-      left.push_back(image);
+      pairs.push_back({image, (*folders)[1] / image.filename()});
     }
   }
-  if (left.empty()) {
+  if (pairs.empty()) {
     throw Error((*folders)[0].string() + ": no image has a mate of the same name in " +
                 (*folders)[1].string());
   }
-  const std::vector<int64_t> times = TimesFromNames(left);
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    dataset.entries.push_back({times[i], {left[i], (*folders)[1] / left[i].filename()}});
-  }
+  dataset.entries = WithTimes(pairs);
   if (options.groundtruth) {
     dataset.groundtruth = ReadTrajectory(*options.groundtruth);
   }

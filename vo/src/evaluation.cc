@@ -1,82 +1,152 @@
 #include "gluevo/vo/evaluation.h"
 
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
-#include <utility>
 
 #include "gluevo/nn/error.h"
 
 namespace gluevo::vo {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kFewestPairs = 3;
+constexpr double kSecondsPerNanosecond = 1e-9;
 
 struct Pair {
-  StampedPose estimate;
-  StampedPose groundtruth;
+  const StampedPose* estimate;
+  const StampedPose* groundtruth;
 };
 
-// As evo does: each pose of the shorter trajectory with the nearest in time of the longer one.
+/// |a - b|, which an int64_t may not hold.
+uint64_t Apart(int64_t a, int64_t b) {
+  const uint64_t difference = static_cast<uint64_t>(a) - static_cast<uint64_t>(b);
+  return a >= b ? difference : uint64_t{0} - difference;
+}
+
+/// The pose nearest in time, the earlier of two equally near; null where none is near enough.
+const StampedPose* Nearest(const Trajectory& trajectory, int64_t timestamp_ns, uint64_t farthest) {
+  const auto after = std::lower_bound(
+      trajectory.begin(), trajectory.end(), timestamp_ns,
+      [](const StampedPose& pose, int64_t time) { return pose.timestamp_ns < time; });
+  const StampedPose* nearest = nullptr;
+  uint64_t smallest = farthest;
+  if (after != trajectory.end() && Apart(after->timestamp_ns, timestamp_ns) <= smallest) {
+    nearest = &*after;
+    smallest = Apart(after->timestamp_ns, timestamp_ns);
+  }
+  if (after != trajectory.begin() &&
+      Apart(std::prev(after)->timestamp_ns, timestamp_ns) <= smallest) {
+    nearest = &*std::prev(after);
+  }
+  return nearest;
+}
+
 std::vector<Pair> Associate(const Trajectory& estimate, const Trajectory& groundtruth,
                             double max_time_difference_s) {
+  const auto farthest =
+      static_cast<uint64_t>(std::llround(max_time_difference_s / kSecondsPerNanosecond));
   const bool estimate_is_longer = estimate.size() > groundtruth.size();
-  const Trajectory& longer = estimate_is_longer ? estimate : groundtruth;
   const Trajectory& shorter = estimate_is_longer ? groundtruth : estimate;
+  const Trajectory& longer = estimate_is_longer ? estimate : groundtruth;
   std::vector<Pair> pairs;
   for (const StampedPose& pose : shorter) {
-    const auto after =
-        std::lower_bound(longer.begin(), longer.end(), pose.timestamp_ns,
-                         [](const StampedPose& p, int64_t time) { return p.timestamp_ns < time; });
-    auto nearest = after;
-    if (after == longer.end() ||
-        (after != longer.begin() && pose.timestamp_ns - std::prev(after)->timestamp_ns <=
-                                        after->timestamp_ns - pose.timestamp_ns)) {
-      nearest = std::prev(after);
-    }
-    const double difference_s =
-        std::abs(static_cast<double>(nearest->timestamp_ns - pose.timestamp_ns)) * 1e-9;
-    if (difference_s <= max_time_difference_s) {
-      pairs.push_back(estimate_is_longer ? Pair{*nearest, pose} : Pair{pose, *nearest});
+    if (const StampedPose* nearest = Nearest(longer, pose.timestamp_ns, farthest)) {
+      pairs.push_back(estimate_is_longer ? Pair{nearest, &pose} : Pair{&pose, nearest});
     }
   }
   return pairs;
 }
 
-bool AllInOnePlace(const std::vector<Eigen::Vector3d>& points) {
-  return std::all_of(points.begin(), points.end(), [&](const Eigen::Vector3d& point) {
-    return (point - points.front()).norm() < 1e-12;
-  });
-}
+struct Moments {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  double variance = 0.0;  // Mean squared distance from the mean, square metres.
 
-Eigen::Vector3d MeanOf(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& point : points) {
-    sum += point;
+  /// Whether the points differ by no more than the rounding of their coordinates.
+  bool InOnePlace() const {
+    constexpr double kRelative = 1e-12;
+    const double noise = kRelative * (1.0 + mean.norm());
+    return !(variance > noise * noise);
   }
-  return sum / static_cast<double>(points.size());
+};
+
+Moments MomentsOf(const std::vector<Eigen::Vector3d>& points) {
+  Moments moments;
+  const auto count = static_cast<double>(points.size());
+  for (const Eigen::Vector3d& point : points) {
+    moments.mean += point / count;
+  }
+  for (const Eigen::Vector3d& point : points) {
+    moments.variance += (point - moments.mean).squaredNorm() / count;
+  }
+  return moments;
 }
 
-double RmseAfter(const Similarity3& target_from_source, const std::vector<Eigen::Vector3d>& source,
-                 const std::vector<Eigen::Vector3d>& target) {
+double RootMeanSquareDistance(const Similarity3& target_from_source,
+                              const std::vector<Eigen::Vector3d>& source,
+                              const std::vector<Eigen::Vector3d>& target) {
   double sum = 0.0;
   for (std::size_t i = 0; i < source.size(); ++i) {
-    const Eigen::Vector3d moved =
+    const Eigen::Vector3d aligned =
         target_from_source.scale * (target_from_source.rigid.rotation * source[i]) +
         target_from_source.rigid.translation;
-    sum += (moved - target[i]).squaredNorm();
+    sum += (aligned - target[i]).squaredNorm();
   }
   return std::sqrt(sum / static_cast<double>(source.size()));
 }
 
+void EvaluateAbsolute(const std::vector<Pair>& pairs, Evaluation& evaluation) {
+  std::vector<Eigen::Vector3d> source;
+  std::vector<Eigen::Vector3d> target;
+  for (const Pair& pair : pairs) {
+    source.push_back(pair.estimate->world_from_body.translation);
+    target.push_back(pair.groundtruth->world_from_body.translation);
+  }
+  const Moments source_moments = MomentsOf(source);
+  const Moments target_moments = MomentsOf(target);
+  if (source_moments.InOnePlace() || target_moments.InOnePlace()) {
+    Similarity3 shift;
+    shift.rigid.translation = target_moments.mean - source_moments.mean;
+    evaluation.ate_se3_m = RootMeanSquareDistance(shift, source, target);
+    evaluation.ate_sim3_m = evaluation.ate_se3_m;
+    evaluation.scale = std::numeric_limits<double>::quiet_NaN();
+    evaluation.groundtruth_world_from_estimate_world = shift.rigid;
+    return;
+  }
+  const Similarity3 se3 = AlignUmeyama(source, target, /*with_scale=*/false);
+  const Similarity3 sim3 = AlignUmeyama(source, target, /*with_scale=*/true);
+  evaluation.ate_se3_m = RootMeanSquareDistance(se3, source, target);
+  evaluation.ate_sim3_m = RootMeanSquareDistance(sim3, source, target);
+  evaluation.scale = sim3.scale;
+  evaluation.groundtruth_world_from_estimate_world = se3.rigid;
+}
+
+/// KITTI's lengths of sub-paths, or the largest tenths of them of which a path holds five.
+std::vector<double> SubPathLengths(double path_length) {
+  constexpr int kLengths = 8;
+  constexpr int kFewestHeld = 5;
+  for (const double step : {100.0, 10.0, 1.0, 0.1}) {
+    if (path_length >= kFewestHeld * step) {
+      std::vector<double> lengths;
+      for (int i = 1; i <= kLengths; ++i) {
+        lengths.push_back(i * step);
+      }
+      return lengths;
+    }
+  }
+  return {};
+}
+
 // Error of the estimated motion from one pose to another, in the body's frame at the latter.
 Rigid3 MotionError(const Pair& from, const Pair& to) {
-  const auto motion = [&](StampedPose Pair::*pose) {
-    return (from.*pose).world_from_body.Inverse() * (to.*pose).world_from_body;
-  };
-  return motion(&Pair::groundtruth).Inverse() * motion(&Pair::estimate);
+  const Rigid3 true_motion =
+      from.groundtruth->world_from_body.Inverse() * to.groundtruth->world_from_body;
+  const Rigid3 estimated_motion =
+      from.estimate->world_from_body.Inverse() * to.estimate->world_from_body;
+  return true_motion.Inverse() * estimated_motion;
 }
 
 double AngleOf(const Rigid3& transform) {
@@ -94,96 +164,94 @@ std::size_t CountRightMotions(const std::vector<Pair>& pairs, const EvaluationOp
 }
 
 void EvaluateRelative(const std::vector<Pair>& pairs, Evaluation& evaluation) {
-  std::vector<double> path = {0.0};  // Along the ground truth, metres.
+  std::vector<double> travelled = {0.0};
   for (std::size_t i = 1; i < pairs.size(); ++i) {
-    path.push_back(path.back() + (pairs[i].groundtruth.world_from_body.translation -
-                                  pairs[i - 1].groundtruth.world_from_body.translation)
-                                     .norm());
-  }
-  evaluation.rpe_translation_percent = kNan;
-  evaluation.rpe_rotation_deg_per_m = kNan;
-  double unit = 100.0;
-  while (path.back() < 5.0 * unit && unit > 0.1) {
-    unit /= 10.0;
-  }
-  if (path.back() < 5.0 * unit) {
-    return;
+    travelled.push_back(travelled.back() + (pairs[i].groundtruth->world_from_body.translation -
+                                            pairs[i - 1].groundtruth->world_from_body.translation)
+                                               .norm());
   }
   double translation_sum = 0.0;
   double rotation_sum = 0.0;
   std::size_t count = 0;
-  for (int multiple = 1; multiple <= 8; ++multiple) {
-    const double length = unit * multiple;
-    bool has_any = false;
-    for (std::size_t first = 0; first < pairs.size(); ++first) {
-      const auto last = static_cast<std::size_t>(
-          std::upper_bound(path.begin(), path.end(), path[first] + length) - path.begin());
-      if (last == pairs.size()) {
+  for (const double length : SubPathLengths(travelled.back())) {
+    const std::size_t count_before = count;
+    for (std::size_t start = 0; start < pairs.size(); ++start) {
+      const auto end =
+          std::upper_bound(travelled.begin(), travelled.end(), travelled[start] + length);
+      if (end == travelled.end()) {
         break;
       }
-      const Rigid3 error = MotionError(pairs[first], pairs[last]);
+      const Pair& last = pairs[static_cast<std::size_t>(end - travelled.begin())];
+      const Rigid3 error = MotionError(pairs[start], last);
       translation_sum += error.translation.norm() / length;
       rotation_sum += AngleOf(error) / length;
       ++count;
-      has_any = true;
     }
-    if (has_any) {
+    if (count > count_before) {
       evaluation.rpe_lengths_m.push_back(length);
     }
   }
-  evaluation.rpe_translation_percent = 100.0 * translation_sum / static_cast<double>(count);
-  evaluation.rpe_rotation_deg_per_m =
-      rotation_sum / static_cast<double>(count) * 180.0 / std::numbers::pi;
+  constexpr double kPercent = 100.0;
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  const double weight =
+      count > 0 ? 1.0 / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
+  evaluation.rpe_translation_percent = kPercent * weight * translation_sum;
+  evaluation.rpe_rotation_deg_per_m = kDegrees * weight * rotation_sum;
+}
+
+double Seconds(int64_t from_ns, int64_t to_ns) {
+  return static_cast<double>(Apart(from_ns, to_ns)) * kSecondsPerNanosecond;
 }
 
 double Coverage(const std::vector<Pair>& pairs, const Trajectory& groundtruth) {
-  const int64_t whole = groundtruth.back().timestamp_ns - groundtruth.front().timestamp_ns;
-  if (whole <= 0) {
-    return 1.0;
-  }
-  std::vector<int64_t> steps;
+  constexpr double kGap = 1.0;
+  constexpr double kStepsOfGap = 3.0;
+  std::vector<double> steps;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
-    steps.push_back(pairs[i].groundtruth.timestamp_ns - pairs[i - 1].groundtruth.timestamp_ns);
+    steps.push_back(
+        Seconds(pairs[i - 1].groundtruth->timestamp_ns, pairs[i].groundtruth->timestamp_ns));
   }
-  std::vector<int64_t> sorted = steps;
-  std::sort(sorted.begin(), sorted.end());
-  const int64_t largest_gap = std::max<int64_t>(1'000'000'000, 3 * sorted[sorted.size() / 2]);
-  int64_t covered = 0;
-  for (const int64_t step : steps) {
-    covered += step <= largest_gap ? step : 0;
+  std::vector<double> sorted = steps;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double longest_gap = std::max(kGap, kStepsOfGap * *middle);
+  double covered = 0.0;
+  for (const double step : steps) {
+    covered += step <= longest_gap ? step : 0.0;
   }
-  return static_cast<double>(covered) / static_cast<double>(whole);
+  const double duration =
+      Seconds(groundtruth.front().timestamp_ns, groundtruth.back().timestamp_ns);
+  return duration > 0.0 ? std::min(1.0, covered / duration) : 0.0;
 }
 
 }  // namespace
 
 void EvaluationOptions::Validate() const {
-  if (!(max_time_difference_s >= 0.0) || !std::isfinite(max_time_difference_s)) {
-    throw Error("largest time difference " + std::to_string(max_time_difference_s) +
-                " s is out of range: expected 0 or more");
+  constexpr double kLongest = 1e6;
+  if (!(max_time_difference_s >= 0.0 && max_time_difference_s <= kLongest)) {
+    throw Error("the largest time difference of poses that belong together must be 0 to 1e6 s");
   }
-  if (!(right_motion_m > 0.0) || !(right_motion_deg > 0.0)) {
-    throw Error("bounds of a right motion are out of range: expected above 0");
+  if (!(right_motion_m > 0.0 && right_motion_deg > 0.0)) {
+    throw Error("the bounds of a right motion must be above 0");
   }
 }
 
 Similarity3 AlignUmeyama(const std::vector<Eigen::Vector3d>& source,
                          const std::vector<Eigen::Vector3d>& target, bool with_scale) {
-  if (source.size() != target.size() || source.size() < 3) {
-    throw Error("alignment needs two equally long lists of at least 3 points, got " +
-                std::to_string(source.size()) + " and " + std::to_string(target.size()));
+  if (source.size() != target.size() || source.size() < kFewestPairs) {
+    throw Error("alignment of " + std::to_string(source.size()) + " points with " +
+                std::to_string(target.size()) + ", expected equally many and at least 3");
   }
-  if (AllInOnePlace(source) || AllInOnePlace(target)) {
-    throw Error("points that are all in one place cannot be aligned");
+  const Moments source_moments = MomentsOf(source);
+  const Moments target_moments = MomentsOf(target);
+  if (source_moments.InOnePlace() || target_moments.InOnePlace()) {
+    throw Error("alignment of points that are all in one place");
   }
-  const auto n = static_cast<double>(source.size());
-  const Eigen::Vector3d source_mean = MeanOf(source);
-  const Eigen::Vector3d target_mean = MeanOf(target);
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  double source_variance = 0.0;
   for (std::size_t i = 0; i < source.size(); ++i) {
-    covariance += (target[i] - target_mean) * (source[i] - source_mean).transpose() / n;
-    source_variance += (source[i] - source_mean).squaredNorm() / n;
+    covariance += (target[i] - target_moments.mean) *
+                  (source[i] - source_moments.mean).transpose() /
+                  static_cast<double>(source.size());
   }
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -191,52 +259,32 @@ Similarity3 AlignUmeyama(const std::vector<Eigen::Vector3d>& source,
   if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) {
     signs.z() = -1.0;
   }
-  Similarity3 result;
-  result.rigid.rotation = Eigen::Quaterniond(
-      Eigen::Matrix3d(svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose()));
-  result.scale = with_scale ? svd.singularValues().dot(signs) / source_variance : 1.0;
-  result.rigid.translation = target_mean - result.scale * (result.rigid.rotation * source_mean);
-  return result;
+  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  Similarity3 alignment;
+  alignment.rigid.rotation = Eigen::Quaterniond(rotation).normalized();
+  if (with_scale) {
+    alignment.scale = svd.singularValues().dot(signs) / source_moments.variance;
+  }
+  alignment.rigid.translation =
+      target_moments.mean - alignment.scale * (alignment.rigid.rotation * source_moments.mean);
+  return alignment;
 }
 
 Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
                     const EvaluationOptions& options) {
   options.Validate();
-  std::vector<Pair> pairs;
-  if (!estimate.empty() && !groundtruth.empty()) {
-    pairs = Associate(estimate, groundtruth, options.max_time_difference_s);
-  }
-  if (pairs.size() < 3) {
+  const std::vector<Pair> pairs = Associate(estimate, groundtruth, options.max_time_difference_s);
+  if (pairs.size() < kFewestPairs) {
     throw Error("only " + std::to_string(pairs.size()) +
                 " poses of the estimate and the ground truth are within " +
                 std::to_string(options.max_time_difference_s) +
                 " s of each other, expected at least 3: are they of the same sequence and clock?");
   }
-  std::vector<Eigen::Vector3d> source;
-  std::vector<Eigen::Vector3d> target;
-  for (const Pair& pair : pairs) {
-    source.push_back(pair.estimate.world_from_body.translation);
-    target.push_back(pair.groundtruth.world_from_body.translation);
-  }
-
   Evaluation evaluation;
   evaluation.pairs = pairs.size();
-  if (AllInOnePlace(source) || AllInOnePlace(target)) {
-    Similarity3 shift;
-    shift.rigid.translation = MeanOf(target) - MeanOf(source);
-    evaluation.ate_se3_m = evaluation.ate_sim3_m = RmseAfter(shift, source, target);
-    evaluation.scale = kNan;
-    evaluation.groundtruth_world_from_estimate_world = shift.rigid;
-  } else {
-    const Similarity3 rigid = AlignUmeyama(source, target, /*with_scale=*/false);
-    const Similarity3 scaled = AlignUmeyama(source, target, /*with_scale=*/true);
-    evaluation.ate_se3_m = RmseAfter(rigid, source, target);
-    evaluation.ate_sim3_m = RmseAfter(scaled, source, target);
-    evaluation.scale = scaled.scale;
-    evaluation.groundtruth_world_from_estimate_world = rigid.rigid;
-  }
-  EvaluateRelative(pairs, evaluation);
+  EvaluateAbsolute(pairs, evaluation);
   evaluation.right_motions = CountRightMotions(pairs, options);
+  EvaluateRelative(pairs, evaluation);
   evaluation.coverage = Coverage(pairs, groundtruth);
   return evaluation;
 }

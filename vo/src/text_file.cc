@@ -1,49 +1,119 @@
 #include "text_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <iterator>
+#include <limits>
+#include <system_error>
 
 #include "gluevo/nn/error.h"
 
 namespace gluevo::vo {
 namespace {
 
-bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 
 std::string_view Trimmed(std::string_view text) {
-  while (!text.empty() && IsBlank(text.front())) {
-    text.remove_prefix(1);
+  const std::size_t begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) {
+    return {};
   }
-  while (!text.empty() && IsBlank(text.back())) {
-    text.remove_suffix(1);
-  }
-  return text;
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
+/// from_chars knows no plus sign.
 std::string_view WithoutPlus(std::string_view text) {
-  return text.starts_with('+') ? text.substr(1) : text;
+  const bool plus = text.size() > 1 && text[0] == '+' && (IsDigit(text[1]) || text[1] == '.');
+  return plus ? text.substr(1) : text;
+}
+
+/// A decimal number as 0.DIGITS times ten to the power of `point`, the first digit not being zero.
+struct Decimal {
+  bool negative = false;
+  std::string digits;
+  int64_t point = 0;
+};
+
+std::optional<Decimal> ParseDecimal(std::string_view text) {
+  Decimal decimal;
+  decimal.negative = text.starts_with('-');
+  text = decimal.negative ? text.substr(1) : WithoutPlus(text);
+  if (const std::size_t e = text.find_first_of("eE"); e != std::string_view::npos) {
+    const std::optional<int64_t> exponent = ParseInteger(text.substr(e + 1));
+    constexpr int64_t kLargestExponent = 1'000'000;
+    if (!exponent || *exponent > kLargestExponent || *exponent < -kLargestExponent) {
+      return std::nullopt;
+    }
+    decimal.point = *exponent;
+    text = text.substr(0, e);
+  }
+  bool any_digit = false;
+  bool after_point = false;
+  for (const char c : text) {
+    if (c == '.' && !after_point) {
+      after_point = true;
+      continue;
+    }
+    if (!IsDigit(c)) {
+      return std::nullopt;
+    }
+    any_digit = true;
+    const bool leading_zero = c == '0' && decimal.digits.empty();
+    if (!leading_zero) {
+      decimal.digits.push_back(c);
+    }
+    if (!after_point && !leading_zero) {
+      ++decimal.point;
+    } else if (after_point && leading_zero) {
+      --decimal.point;
+    }
+  }
+  return any_digit ? std::optional(decimal) : std::nullopt;
 }
 
 }  // namespace
 
-std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) {
+std::string ReadText(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (!std::filesystem::exists(status)) {
+    throw Error(path.string() + ": no such file");
+  }
+  // A device may never end.
+  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status)) {
+    throw Error(path.string() + ": not a file");
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file) {
     throw Error(path.string() + ": cannot be read");
   }
-  std::vector<TextLine> lines;
-  std::string text;
-  for (int number = 1; std::getline(file, text); ++number) {
-    const std::string_view trimmed = Trimmed(text);
-    if (!skip_comments || (!trimmed.empty() && trimmed.front() != '#')) {
-      lines.push_back({number, std::string(trimmed)});
-    }
+  return text;
+}
+
+std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments) {
+  const std::string text = ReadText(path);
+  std::string_view rest = text;
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (rest.starts_with(kByteOrderMark)) {
+    rest.remove_prefix(kByteOrderMark.size());
   }
-  if (file.bad()) {
-    throw Error(path.string() + ": reading failed");
+  std::vector<TextLine> lines;
+  for (int number = 1; !rest.empty(); ++number) {
+    const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
+    const std::string_view line = Trimmed(rest.substr(0, end));
+    if (!skip_comments || (!line.empty() && line.front() != '#')) {
+      lines.push_back({number, std::string(line)});
+    }
+    rest.remove_prefix(end);
+    rest.remove_prefix(rest.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest.size()));
+  }
+  while (!lines.empty() && lines.back().text.empty()) {
+    lines.pop_back();
   }
   return lines;
 }
@@ -55,99 +125,75 @@ std::string At(const std::filesystem::path& path, const TextLine& line) {
 std::vector<std::string_view> SplitFields(std::string_view text, char separator) {
   std::vector<std::string_view> fields;
   if (separator == ' ') {
-    std::size_t i = 0;
-    while (i < text.size()) {
-      while (i < text.size() && IsBlank(text[i])) {
-        ++i;
-      }
-      const std::size_t begin = i;
-      while (i < text.size() && !IsBlank(text[i])) {
-        ++i;
-      }
-      if (i > begin) {
-        fields.push_back(text.substr(begin, i - begin));
-      }
+    for (text = Trimmed(text); !text.empty(); text = Trimmed(text)) {
+      const std::size_t end = std::min(text.find_first_of(kBlanks), text.size());
+      fields.push_back(text.substr(0, end));
+      text.remove_prefix(end);
     }
     return fields;
   }
-  std::size_t begin = 0;
   while (true) {
-    const std::size_t end = text.find(separator, begin);
-    fields.push_back(Trimmed(text.substr(begin, end - begin)));
+    const std::size_t end = text.find(separator);
+    fields.push_back(Trimmed(text.substr(0, end)));
     if (end == std::string_view::npos) {
       return fields;
     }
-    begin = end + 1;
+    text.remove_prefix(end + 1);
   }
 }
 
 std::optional<double> ParseNumber(std::string_view text) {
   text = WithoutPlus(text);
   double value = 0.0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+  const char* const end = text.data() + text.size();
+  const auto [parsed, error] = std::from_chars(text.data(), end, value);
+  if (parsed != end) {
     return std::nullopt;
   }
-  return value;
+  if (error == std::errc::result_out_of_range) {
+    // Too small for a double is zero; too large is no number.
+    const std::optional<Decimal> decimal = ParseDecimal(text);
+    return decimal && decimal->point < 0 ? std::optional(0.0) : std::nullopt;
+  }
+  return error == std::errc() && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 std::optional<int64_t> ParseInteger(std::string_view text) {
   text = WithoutPlus(text);
   int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    return std::nullopt;
-  }
-  return value;
+  const char* const end = text.data() + text.size();
+  const auto [parsed, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && parsed == end ? std::optional(value) : std::nullopt;
 }
 
 std::optional<int64_t> ParseSeconds(std::string_view text) {
-  const bool negative = text.starts_with('-');
-  text = negative ? text.substr(1) : WithoutPlus(text);
-
-  int exponent = 0;
-  if (const std::size_t e = text.find_first_of("eE"); e != std::string_view::npos) {
-    const auto value = ParseInteger(text.substr(e + 1));
-    if (!value || std::abs(*value) > 30) {
-      return std::nullopt;
-    }
-    exponent = static_cast<int>(*value);
-    text = text.substr(0, e);
-  }
-  std::string digits;
-  int after_point = 0;
-  bool seen_point = false;
-  for (const char c : text) {
-    if (c == '.' && !seen_point) {
-      seen_point = true;
-    } else if (IsDigit(c)) {
-      digits += c;
-      after_point += seen_point ? 1 : 0;
-    } else {
-      return std::nullopt;
-    }
-  }
-  if (digits.empty()) {
+  const std::optional<Decimal> decimal = ParseDecimal(text);
+  if (!decimal) {
     return std::nullopt;
   }
-  // The value is digits * 10^shift nanoseconds.
-  const int shift = exponent - after_point + 9;
-  digits.insert(0, "0");
-  bool round_up = false;
-  if (shift >= 0) {
-    digits.append(static_cast<std::size_t>(shift), '0');
-  } else if (static_cast<std::size_t>(-shift) >= digits.size()) {
-    digits = "0";
-  } else {
-    round_up = digits[digits.size() - static_cast<std::size_t>(-shift)] >= '5';
-    digits.resize(digits.size() - static_cast<std::size_t>(-shift));
+  constexpr int64_t kDecimalsOfNanoseconds = 9;
+  const std::string& digits = decimal->digits;
+  const int64_t point = decimal->point + kDecimalsOfNanoseconds;
+  if (digits.empty() || point < 0) {
+    return 0;
   }
-  const auto nanoseconds = ParseInteger(digits);
-  if (!nanoseconds) {
+  // So many digits cannot overflow the unsigned type.
+  constexpr int64_t kMostDigits = std::numeric_limits<int64_t>::digits10 + 1;
+  if (point > kMostDigits) {
     return std::nullopt;
   }
-  const int64_t rounded = *nanoseconds + (round_up ? 1 : 0);
-  return negative ? -rounded : rounded;
+  const auto integer_digits = static_cast<std::size_t>(point);
+  uint64_t value = 0;
+  for (std::size_t i = 0; i < integer_digits; ++i) {
+    value = 10 * value + (i < digits.size() ? static_cast<uint64_t>(digits[i] - '0') : 0);
+  }
+  if (integer_digits < digits.size() && digits[integer_digits] >= '5') {
+    ++value;
+  }
+  if (value > static_cast<uint64_t>(std::numeric_limits<int64_t>::max())) {
+    return std::nullopt;
+  }
+  return decimal->negative ? -static_cast<int64_t>(value) : static_cast<int64_t>(value);
 }
 
 }  // namespace gluevo::vo

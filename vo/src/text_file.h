@@ -9,14 +9,18 @@
 
 namespace gluevo::vo {
 
-/// A text file's lines with their numbers, without line ends (LF or CRLF).
+/// A text file's lines with their numbers, without line ends (LF, CR LF or CR), a byte order mark
+/// at the start of the file and blanks around each line.
 struct TextLine {
   int number = 0;  ///< From 1.
   std::string text;
 };
 
-/// All lines; with `skip_comments` without blank ones and those that start with '#'. Throws Error
-/// where the file cannot be read.
+/// A file's contents. Throws Error naming the file where it cannot be read.
+std::string ReadText(const std::filesystem::path& path);
+
+/// All lines up to the last that is not blank; with `skip_comments` without blank ones and those
+/// that start with '#'. Throws Error where the file cannot be read.
 std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments);
 
 /// "FILE:LINE", for messages.

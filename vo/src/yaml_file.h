@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,15 @@ YAML::Node ReadYaml(const std::filesystem::path& path);
 /// where the key is missing or does not hold finite numbers, `count` of them where that is above 0.
 std::vector<double> YamlNumbers(const YAML::Node& node, const std::string& key, std::size_t count,
                                 const std::filesystem::path& path);
+
+/// The text of a key, nothing where it is missing. Throws Error naming file and key for a list or a
+/// map.
+std::optional<std::string> YamlText(const YAML::Node& node, const std::string& key,
+                                    const std::filesystem::path& path);
+
+/// A width or height, pixels. Throws Error naming file and key unless it is a whole positive
+/// number.
+int YamlSize(double value, const std::string& key, const std::filesystem::path& path);
 
 /// From 12 or 16 numbers, the rows of [R | t]. Throws Error naming file and key unless it is rigid.
 Rigid3 RigidFromRows(const std::vector<double>& numbers, const std::string& key,
@@ -33,5 +43,14 @@ Camera CameraFromYaml(const YAML::Node& node, const std::filesystem::path& path)
 /// Kalibr's camchain of a stereo rig. The body is the IMU where cam0 has T_cam_imu, else the left
 /// camera; the right camera follows from its own T_cam_imu or from T_cn_cnm1.
 StereoRig RigFromCamchain(const std::filesystem::path& path);
+
+/// What --calibration names: Kalibr's camchain where the file has cam0 or cam1, else the file of
+/// OpenCV's stereo calibration, with
+///  - image_width and image_height, pixels, or image_size: [width, height],
+///  - K1 and K2 (or M1 and M2), 3 x 3,
+///  - D1 and D2: k1 k2 p1 p2 [k3], or the four of cv::fisheye with distortion_model: equidistant,
+///  - R, 3 x 3, and T, metres, from the left to the right camera, as stereoCalibrate returns them.
+/// The body is the left camera then.
+StereoRig RigFromCalibration(const std::filesystem::path& path);
 
 }  // namespace gluevo::vo

@@ -15,13 +15,20 @@ namespace gluevo::vo {
 enum class DatasetFormat {
   kEuroc,          ///< EuRoC ASL and TUM-VI: mav0/cam0, mav0/cam1.
   kKittiOdometry,  ///< image_0, image_1, calib.txt, times.txt.
-  kKittiRaw,       ///< image_00/data, image_01/data, timestamps.txt, calib_cam_to_cam.txt.
-  kPlain,          ///< Two folders of images that pair by name, and a calibration file.
+  /// image_00/data, image_01/data, image_00/timestamps.txt, calib_cam_to_cam.txt here or up to
+  /// three folders above. Times count from the first row of timestamps.txt.
+  kKittiRaw,
+  /// Two folders (left and right, cam0 and cam1, image_0 and image_1, image_00 and image_01) of
+  /// images that pair by name, and a calibration file. Times are the names where all are
+  /// nanoseconds of 16 digits or more or decimal seconds, else the pairs count as 10 a second.
+  kPlain,
 };
 
 struct DatasetOptions {
-  std::optional<DatasetFormat> format;               ///< Recognised where absent.
-  std::optional<std::filesystem::path> calibration;  ///< Kalibr camchain or OpenCV yaml (kPlain).
+  std::optional<DatasetFormat> format;  ///< Recognised where absent.
+  /// Kalibr camchain or OpenCV yaml: needed by kPlain, in place of sensor.yaml for kEuroc, an Error
+  /// for KITTI.
+  std::optional<std::filesystem::path> calibration;
   std::optional<std::filesystem::path> groundtruth;  ///< Found where the format says, if absent.
   /// Frames start, start + stride, ... at most count of them (-1: all).
   int start = 0;

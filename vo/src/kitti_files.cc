@@ -1,0 +1,126 @@
+#include "kitti_files.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <optional>
+#include <string_view>
+
+#include "dataset_formats.h"
+#include "gluevo/nn/error.h"
+#include "text_file.h"
+
+namespace gluevo::vo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::map<std::size_t, fs::path> ListNumbered(const fs::path& folder) {
+  CheckFolder(folder, "a camera of a KITTI data set");
+  std::map<std::size_t, fs::path> images;
+  for (const fs::path& image : ListImages(folder)) {
+    const std::optional<int64_t> number = ParseInteger(image.stem().string());
+    if (!number || *number < 0) {
+      continue;
+    }
+    const auto [other, is_new] = images.emplace(static_cast<std::size_t>(*number), image);
+    if (!is_new) {
+      throw Error(image.string() + ": has the same number as " + other->second.string());
+    }
+  }
+  if (images.empty()) {
+    throw Error(folder.string() + ": no images whose names are numbers");
+  }
+  return images;
+}
+
+void CheckMates(const std::map<std::size_t, fs::path>& images,
+                const std::map<std::size_t, fs::path>& mates, const fs::path& mates_folder) {
+  for (const auto& [number, image] : images) {
+    if (!mates.contains(number)) {
+      throw Error((mates_folder / image.filename()).string() + ": no such image, the mate of " +
+                  image.string());
+    }
+  }
+}
+
+}  // namespace
+
+KittiCalibration::KittiCalibration(const fs::path& path) : path_(path) {
+  for (const TextLine& line : ReadLines(path_, /*skip_comments=*/true)) {
+    const std::size_t colon = line.text.find(':');
+    if (colon == std::string::npos) {
+      throw Error(At(path_, line) + ": expected \"KEY: numbers\"");
+    }
+    std::vector<double> numbers;
+    bool all_numbers = true;
+    for (const std::string_view field :
+         SplitFields(std::string_view(line.text).substr(colon + 1), ' ')) {
+      const std::optional<double> number = ParseNumber(field);
+      all_numbers = all_numbers && number;
+      numbers.push_back(number.value_or(0.0));
+    }
+    if (all_numbers) {
+      values_[line.text.substr(0, colon)] = std::move(numbers);
+    }
+  }
+}
+
+const std::vector<double>& KittiCalibration::Get(const std::string& key, std::size_t count) const {
+  const auto found = values_.find(key);
+  if (found == values_.end()) {
+    throw Error(path_.string() + ": no " + key + ", expected " + std::to_string(count) +
+                " numbers");
+  }
+  if (found->second.size() != count) {
+    throw Error(path_.string() + ": " + key + " has " + std::to_string(found->second.size()) +
+                " numbers, expected " + std::to_string(count));
+  }
+  return found->second;
+}
+
+StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std::string, 2>& keys,
+                       const std::array<int, 2>& size) {
+  StereoRig rig;
+  rig.body_frame = "left camera";
+  std::array<Eigen::Vector3d, 2> offsets;  // Of a point's coordinates from the common frame.
+  for (std::size_t side = 0; side < 2; ++side) {
+    const std::vector<double>& p = calibration.Get(keys[side], 12);
+    Camera& camera = rig.cameras[side];
+    camera.width = size[0];
+    camera.height = size[1];
+    camera.fx = p[0];
+    camera.fy = p[5];
+    camera.cx = p[2];
+    camera.cy = p[6];
+    camera.Validate(calibration.path().string() + ": " + keys[side]);
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> projection(p.data());
+    Eigen::Matrix3d intrinsics;
+    intrinsics << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
+    if (!projection.leftCols<3>().isApprox(intrinsics)) {
+      throw Error(calibration.path().string() + ": " + keys[side] +
+                  " is not the projection [fx 0 cx; 0 fy cy; 0 0 1] [I | t] of a rectified camera");
+    }
+    offsets[side] = intrinsics.inverse() * projection.col(3);
+  }
+  rig.body_from_cam[1].translation = offsets[0] - offsets[1];
+  if (!(rig.body_from_cam[1].translation.x() > 0.0)) {
+    throw Error(calibration.path().string() + ": " + keys[1] + " has a baseline of " +
+                std::to_string(rig.body_from_cam[1].translation.x()) +
+                " m, expected the right camera to the right of the left one");
+  }
+  return rig;
+}
+
+std::vector<NumberedPair> ListNumberedPairs(const std::array<fs::path, 2>& folders) {
+  const std::map<std::size_t, fs::path> left = ListNumbered(folders[0]);
+  const std::map<std::size_t, fs::path> right = ListNumbered(folders[1]);
+  CheckMates(left, right, folders[1]);
+  CheckMates(right, left, folders[0]);
+  std::vector<NumberedPair> pairs;
+  for (const auto& [number, image] : left) {
+    pairs.push_back({number, {image, right.at(number)}});
+  }
+  return pairs;
+}
+
+}  // namespace gluevo::vo
