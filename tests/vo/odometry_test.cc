@@ -50,12 +50,6 @@ std::vector<FrameResult> RunOdometry(const std::vector<TrackedFrame>& frames,
     StereoFrame images;
     images.timestamp_ns = frame.timestamp_ns;
     results.push_back(odometry.Process(images));
-    if (getenv("DBG")) {
-      auto& r = results.back();
-      printf("seg %d kf %d obs %d tracked %d stereo %d inl %d lm %d ms %.1f\n", r.segment,
-             r.is_keyframe, r.observations, r.tracked, r.stereo, r.inliers, r.landmarks,
-             r.stages_ms["estimator"]);
-    }
   }
   return results;
 }
@@ -92,20 +86,6 @@ TEST(Odometry, ExactObservationsGiveTheExactFlight) {
   for (const FrameResult& result : results) {
     EXPECT_EQ(result.segment, 0);
   }
-}
-
-TEST(Odometry, DISABLED_Explore) {
-  const auto truth = Flight(120);
-  for (double px : {0.1, 0.25, 0.5})
-    for (int size : {5, 11, 30})
-      for (uint64_t seed : {1, 2, 3}) {
-        OdometryOptions o;
-        o.window.size = size;
-        const auto r = RunOdometry(Observe(truth, {.noise_px = px, .seed = seed}), o);
-        const Errors e = MotionErrors(r, truth, 0, 119);
-        printf("px %.2f size %d seed %d: %.4f m %.4f rad\n", px, size, (int)seed, e.position_m,
-               e.turn_rad);
-      }
 }
 
 TEST(Odometry, NoisyFlightDriftsLittle) {
