@@ -3,6 +3,8 @@
 add_library(gluevo_build_flags INTERFACE)
 target_compile_options(gluevo_build_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual -Wcast-qual
+  # Designated initialisers leave the other members to their defaults on purpose.
+  -Wno-missing-field-initializers
   # g++ 12 warns of overlapping copies inside its own std::string (GCC bug 105651).
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${GLUEVO_WARNINGS_AS_ERRORS}>:-Werror>)

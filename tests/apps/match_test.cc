@@ -1,0 +1,78 @@
+// gluevo extract and gluevo match as a user runs them.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+
+#include "apps/command_test.h"
+
+namespace gluevo::apps {
+namespace {
+
+class MatchTest : public CommandTest {
+ protected:
+  // Two views of a random mosaic, the second 8 pixels to the right of the first.
+  void MakeImages() const {
+    std::mt19937 generator(9);
+    cv::Mat texture(120, 176, CV_8UC1);
+    for (int y = 0; y < texture.rows; ++y) {
+      for (int x = 0; x < texture.cols; ++x) {
+        texture.at<uchar>(y, x) = y % 8 == 0 && x % 8 == 0
+                                      ? static_cast<uchar>(generator() % 256)
+                                      : texture.at<uchar>(y / 8 * 8, x / 8 * 8);
+      }
+    }
+    fs::create_directories(Path("images/sub"));
+    cv::imwrite(Path("images/a.png"), texture(cv::Rect(0, 0, 160, 120)));
+    cv::imwrite(Path("images/sub/b.png"), texture(cv::Rect(8, 0, 160, 120)));
+    Write("shift.txt", "1 0 -8 0 1 0 0 0 1\n");
+  }
+};
+
+TEST_F(MatchTest, TwoImagesGiveRightMatches) {
+  MakeImages();
+  for (const std::string matcher : {"superglue", "nn"}) {
+    const Outcome outcome =
+        Run("match " + Path("images/a.png") + " " + Path("images/sub/b.png") + " --matcher " +
+            matcher + " --json --draw " + Path("draw.png") + " --homography " + Path("shift.txt"));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_GT(json["matches"].size(), 20U);
+    EXPECT_GT(json["precision"].get<double>(), 0.8);
+    EXPECT_EQ(cv::imread(Path("draw.png")).cols, 320);
+  }
+}
+
+TEST_F(MatchTest, FilesInHlocsLayout) {
+  MakeImages();
+  ASSERT_EQ(Run("extract " + Path("images") + " -o " + Path("features.h5")).exit_code, 0);
+  Write("pairs.txt", "a.png sub/b.png\n");
+  const Outcome outcome = Run("match " + Path("features.h5") + " --pairs " + Path("pairs.txt") +
+                              " -o " + Path("matches.h5"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("1 pairs"), std::string::npos);
+  EXPECT_TRUE(fs::exists(Path("matches.h5")));
+}
+
+TEST_F(MatchTest, BadInputIsNamed) {
+  MakeImages();
+  ASSERT_EQ(Run("extract " + Path("images") + " -o " + Path("features.h5")).exit_code, 0);
+  Write("pairs.txt", "a.png absent.png\n");
+  const Outcome absent = Run("match " + Path("features.h5") + " --pairs " + Path("pairs.txt") +
+                             " -o " + Path("matches.h5"));
+  EXPECT_EQ(absent.exit_code, 1);
+  EXPECT_NE(absent.error.find("absent.png"), std::string::npos);
+  EXPECT_FALSE(fs::exists(Path("matches.h5")));
+  EXPECT_EQ(Run("match " + Path("features.h5")).exit_code, 2);
+  EXPECT_EQ(Run("extract " + Path("nowhere") + " -o " + Path("x.h5")).exit_code, 1);
+  Write("images/broken.png", "no image");
+  const Outcome broken = Run("extract " + Path("images") + " -o " + Path("x.h5"));
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_NE(broken.error.find("broken.png"), std::string::npos);
+  EXPECT_FALSE(fs::exists(Path("x.h5")));
+}
+
+}  // namespace
+}  // namespace gluevo::apps

@@ -1,0 +1,163 @@
+// gluevo run as a user runs it: good runs, and one clear line for each bad input.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+
+#include "apps/command_test.h"
+
+namespace gluevo::apps {
+namespace {
+
+class RunTest : public CommandTest {
+ protected:
+  // Four stereo pairs of a random texture that drifts by 2 pixels a frame, in KITTI's layout. Blobs
+  // of 4 pixels at a disparity of 6.
+  fs::path MakeKitti() const {
+    const fs::path root = fs::path(Path("data")) / "sequences" / "00";
+    fs::create_directories(root / "image_0");
+    fs::create_directories(root / "image_1");
+    std::mt19937 generator(5);
+    cv::Mat texture(130, 300, CV_8UC1);
+    for (int y = 0; y < texture.rows; ++y) {
+      for (int x = 0; x < texture.cols; ++x) {
+        texture.at<uchar>(y, x) = y % 4 == 0 && x % 4 == 0
+                                      ? static_cast<uchar>(generator() % 256)
+                                      : texture.at<uchar>(y / 4 * 4, x / 4 * 4);
+      }
+    }
+    std::ofstream times(root / "times.txt");
+    for (int i = 0; i < 4; ++i) {
+      for (int side = 0; side < 2; ++side) {
+        const cv::Mat view = texture(cv::Rect(20 + 2 * i + 6 * side, 0, 160, 120));
+        cv::imwrite(ImagePath(root, side, i).string(), view);
+      }
+      times << 0.1 * i << '\n';
+    }
+    std::ofstream(root / "calib.txt") << "P0: 100 0 80 0 0 100 60 0 0 0 1 0\n"
+                                         "P1: 100 0 80 -50 0 100 60 0 0 0 1 0\n";
+    return root;
+  }
+  static fs::path ImagePath(const fs::path& root, int side, int frame) {
+    return root / ("image_" + std::to_string(side)) / ("00000" + std::to_string(frame) + ".png");
+  }
+  // One line that names what is wrong, exit 1, no results.
+  void ExpectRefused(const std::string& arguments, const std::string& expected) const {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = Run("run " + arguments + " -o " + Path("out"));
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.out, "");
+    const std::size_t message = outcome.error.find("gluevo: error: ");
+    ASSERT_NE(message, std::string::npos) << outcome.error;
+    const std::string line = outcome.error.substr(message);
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    EXPECT_NE(line.find(expected), std::string::npos) << line;
+    EXPECT_FALSE(fs::exists(Path("out"))) << "half-written output";
+  }
+};
+
+TEST_F(RunTest, WritesAPoseForEveryFrameAndTheSameForAnyNumberOfThreads) {
+  const fs::path root = MakeKitti();
+  for (const std::string method : {"klt", "superglue"}) {
+    for (const std::string threads : {"1", "2"}) {
+      const Outcome outcome = Run("run " + root.string() + " -o " + Path(method + threads) +
+                                  " --method " + method + " --threads " + threads);
+      ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+      EXPECT_TRUE(fs::exists(Path(method + threads + "/keyframes.tum")));
+    }
+    const std::string trajectory = Contents(Path(method + "1/trajectory.tum"));
+    EXPECT_EQ(trajectory, Contents(Path(method + "2/trajectory.tum")));
+    EXPECT_NE(trajectory.find("left camera"), std::string::npos);
+    for (const char* const time :
+         {"\n0.000000000 ", "\n0.100000000 ", "\n0.200000000 ", "\n0.300000000 "}) {
+      EXPECT_NE(trajectory.find(time), std::string::npos) << time;
+    }
+    const auto metrics = nlohmann::json::parse(Contents(Path(method + "1/metrics.json")));
+    EXPECT_EQ(metrics["frames"], 4);
+    EXPECT_EQ(metrics["frames_with_pose"], 4);
+    EXPECT_EQ(metrics["method"], method);
+    EXPECT_EQ(metrics["threads"], 1);
+    for (const char* const key :
+         {"keyframes", "resets", "segments", "warnings", "duration_s", "frames_per_second",
+          "stages_ms", "matches_per_frame", "peak_memory_mb", "isa", "weights", "options"}) {
+      EXPECT_TRUE(metrics.contains(key)) << key;
+    }
+    if (method == "superglue") {
+      EXPECT_EQ(metrics["weights"]["superglue"]["sha256"].get<std::string>().size(), 64U);
+      EXPECT_TRUE(metrics["stages_ms"].contains("superglue_stereo"));
+    }
+  }
+}
+
+TEST_F(RunTest, WarnsWhereMatchingYieldsNextToNothing) {
+  const fs::path root = MakeKitti();
+  const Outcome outcome = Run("run " + root.string() + " -o " + Path("out") +
+                              " --tracking-threshold 0.9999 --stereo-threshold 0.9999");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const auto metrics = nlohmann::json::parse(Contents(Path("out/metrics.json")));
+  EXPECT_NE(metrics["warnings"].dump().find("next to nothing"), std::string::npos);
+}
+
+TEST_F(RunTest, RefusesBrokenDataSets) {
+  ExpectRefused(Path("absent"), "absent");
+  const fs::path root = MakeKitti();
+  fs::rename(root / "image_1", root / "hidden");
+  ExpectRefused(root.string() + " --format kitti", "image_1");
+  fs::rename(root / "hidden", root / "image_1");
+
+  fs::rename(ImagePath(root, 1, 2), root / "kept.png");
+  ExpectRefused(root.string(), "000002.png");
+  fs::rename(root / "kept.png", ImagePath(root, 1, 2));
+
+  const std::string bytes = Contents(ImagePath(root, 0, 2));
+  std::ofstream(ImagePath(root, 0, 2), std::ios::binary) << bytes.substr(0, 30);
+  ExpectRefused(root.string() + " --method klt", "000002.png");
+  std::ofstream(ImagePath(root, 0, 2), std::ios::binary) << bytes;
+
+  cv::imwrite(ImagePath(root, 1, 0).string(), cv::Mat(100, 160, CV_8UC1, cv::Scalar(9)));
+  ExpectRefused(root.string() + " --method klt", "160 x 100");
+  fs::copy_file(ImagePath(root, 1, 1), ImagePath(root, 1, 0), fs::copy_options::overwrite_existing);
+
+  std::ofstream(root / "calib.txt") << "P0: 100 0 80 0 0 100 60 0 0 0 1 0\n";
+  ExpectRefused(root.string(), "P1");
+}
+
+TEST_F(RunTest, RefusesBrokenWeightsAndOptions) {
+  const std::string root = MakeKitti().string();
+  const fs::path open = fs::path(GLUEVO_SOURCE_DIR) / "nn" / "open_weights";
+  const std::string superpoint = (open / "superpoint.safetensors").string();
+  const std::string superglue = (open / "superglue.safetensors").string();
+  Write("cut.safetensors", Contents(superpoint).substr(0, 100000));
+  ExpectRefused(root + " --superpoint " + Path("cut.safetensors"), "cut.safetensors");
+  ExpectRefused(root + " --superpoint " + superglue, "these are a SuperGlue's");
+  ExpectRefused(root + " --superglue " + superpoint, "these are a SuperPoint's");
+  ExpectRefused(root + " --superpoint " + Path("none.npz"), "none.npz");
+  ExpectRefused(root + " --weights " + Path(""), "no superpoint.safetensors");
+  Write("run.yaml", "method: klt\nwindows: 3\n");
+  ExpectRefused(root + " --config " + Path("run.yaml"), "run.yaml:2");
+  ExpectRefused(root + " --start 9", "--start");
+  ExpectRefused(root + " --groundtruth " + Path("none.txt"), "none.txt");
+  ExpectRefused(root + " --max-keypoints 0", "keypoints");
+  setenv("GLUEVO_ISA", "mmx", 1);
+  ExpectRefused(root, "GLUEVO_ISA=mmx");
+  unsetenv("GLUEVO_ISA");
+}
+
+TEST_F(RunTest, BadUsageExitsWithTwo) {
+  EXPECT_EQ(Run("run").exit_code, 2);
+  EXPECT_EQ(Run("run a -o b --no-such-option").exit_code, 2);
+  EXPECT_EQ(Run("run a -o b --method sift").exit_code, 2);
+  EXPECT_EQ(Run("").exit_code, 2);
+  for (const std::string command : {"run", "extract", "match", "evaluate", "simulate"}) {
+    const Outcome help = Run(command + " --help");
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("Example"), std::string::npos) << command;
+  }
+}
+
+}  // namespace
+}  // namespace gluevo::apps
