@@ -5,6 +5,7 @@
 // Each subcommand of `gluevo` is one file that adds itself.
 namespace gluevo::apps {
 
+void AddBenchCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExtractCommand(CLI::App& app);
 void AddMatchCommand(CLI::App& app);

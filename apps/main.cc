@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
   gluevo::apps::AddMatchCommand(app);
   gluevo::apps::AddEvaluateCommand(app);
   gluevo::apps::AddSimulateCommand(app);
+  gluevo::apps::AddBenchCommand(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
