@@ -21,8 +21,7 @@ void CheckName(const std::string& name) {
   while (true) {
     const std::size_t end = rest.find('/');
     const std::string_view part = rest.substr(0, end);
-    if (part.empty() || part == "." || part == ".." ||
-        part.find('\0') != std::string_view::npos) {
+    if (part.empty() || part == "." || part == ".." || part.find('\0') != std::string_view::npos) {
       throw Error("image name " + Quoted(name) +
                   " cannot name a group of an HDF5 file; expected a relative path without empty, "
                   "\".\" or \"..\" parts");

@@ -127,8 +127,8 @@ void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>&
                          hid_t file_type, hid_t memory_type, const void* values) {
   const H5Session session;
   CheckOpen();
-  const H5Handle space(
-      H5Screate_simple(static_cast<int>(shape.size()), shape.data(), shape.data()), H5Sclose);
+  const H5Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), shape.data()),
+                       H5Sclose);
   const H5Handle timeless(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(timeless.id(), false);
   H5Handle made(H5Dcreate2(file_.id(), dataset.c_str(), file_type, space.id(), H5P_DEFAULT,
@@ -136,8 +136,7 @@ void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>&
                 H5Dclose);
   const bool empty = std::find(shape.begin(), shape.end(), 0U) != shape.end();
   if (!made.valid() ||
-      (!empty &&
-       H5Dwrite(made.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) ||
+      (!empty && H5Dwrite(made.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) ||
       !made.Close()) {
     throw Error(path_.string() + ": dataset " + Quoted(dataset) + " cannot be written" +
                 H5Reason());
@@ -247,8 +246,8 @@ std::vector<float> H5InputFile::ReadFloats(const std::string& dataset) const {
   }
   const H5Handle space(H5Dget_space(opened.id()), H5Sclose);
   std::vector<float> values(static_cast<std::size_t>(std::max<int64_t>(0, CountOf(space))));
-  if (!values.empty() && H5Dread(opened.id(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                                 values.data()) < 0) {
+  if (!values.empty() &&
+      H5Dread(opened.id(), H5T_NATIVE_FLOAT, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     throw Error(Place(dataset) + " cannot be read" + H5Reason());
   }
   const auto bad = std::find_if_not(values.begin(), values.end(),
@@ -269,8 +268,8 @@ std::vector<int> H5InputFile::ReadIntegers(const std::string& dataset) const {
   }
   const H5Handle space(H5Dget_space(opened.id()), H5Sclose);
   std::vector<int64_t> wide(static_cast<std::size_t>(std::max<int64_t>(0, CountOf(space))));
-  if (!wide.empty() && H5Dread(opened.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT,
-                               wide.data()) < 0) {
+  if (!wide.empty() &&
+      H5Dread(opened.id(), H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, wide.data()) < 0) {
     throw Error(Place(dataset) + " cannot be read" + H5Reason());
   }
   std::vector<int> values;
