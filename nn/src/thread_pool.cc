@@ -33,21 +33,22 @@ void Pause() {
 #endif
 }
 
-// Returns done(), after at most `time` of waiting for it.
-template <typename Done>
-bool SpinUntil(std::chrono::nanoseconds time, const Done& done) {
+// Waits for done() for at most `time`, or until futile(), which is asked now and then. Returns
+// done().
+template <typename Done, typename Futile>
+bool SpinUntil(std::chrono::nanoseconds time, const Done& done, const Futile& futile) {
   if (done()) {
     return true;
   }
   const Clock::time_point end = Clock::now() + time;
-  do {
+  while (Clock::now() < end && !futile()) {
     for (int i = 0; i < kPausesPerClock; ++i) {
       Pause();
       if (done()) {
         return true;
       }
     }
-  } while (Clock::now() < end);
+  }
   return done();
 }
 
@@ -95,6 +96,7 @@ struct ThreadPool::State {
   // writes `loop`, then looks at the count. In the one order of sequentially consistent operations
   // one of the two sees the other.
   alignas(64) std::atomic<int> sleepers = 0;
+  std::atomic<int> caller_processor = -1;  // When it started the loop.
 
   State() = default;
   State(const State&) = delete;
@@ -130,8 +132,12 @@ struct ThreadPool::State {
       const uint64_t state = loop.load();
       return (state & kStop) != 0 || ((state & kOpen) != 0 && state / kNumber != last);
     };
+    // A busy system wakes a worker on the caller's processor, where it holds up what it waits for.
+    const auto in_the_way = [&] {
+      return sched_getcpu() == caller_processor.load(std::memory_order_relaxed);
+    };
     while (true) {
-      if (!SpinUntil(spin_time, called)) {
+      if (!SpinUntil(spin_time, called, in_the_way)) {
         std::unique_lock lock(sleep_mutex);
         sleepers.fetch_add(1);
         wake.wait(lock, called);
@@ -164,7 +170,7 @@ struct ThreadPool::State {
   void Close() {
     const auto no_members = [&] { return (loop.load() & kMembers) == 0; };
     loop.fetch_and(~kOpen);
-    if (SpinUntil(spin_time, no_members)) {
+    if (SpinUntil(spin_time, no_members, [] { return false; })) {
       return;
     }
     // The system has preempted a member inside its last index. Asleep, this thread leaves it a
@@ -214,6 +220,7 @@ void ThreadPool::Run(int64_t count, Function function, void* body) {
   state.function = function;
   state.body = body;
   state.next.store(0, std::memory_order_relaxed);
+  state.caller_processor.store(sched_getcpu(), std::memory_order_relaxed);
   state.Publish((state.loop.load() / kNumber + 1) * kNumber | kOpen);
   state.Drain(0);
   state.Close();

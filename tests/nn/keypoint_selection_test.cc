@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 #include <random>
 #include <vector>
 
@@ -135,22 +134,6 @@ TEST(NearestNeighborTest, KeepsMutualPairsAndAppliesItsBounds) {
                Error);
   EXPECT_TRUE(MatchNearestNeighbors(WithDescriptors(Features::RowMajor(0, 2)), features1, {})
                   .matches0.empty());
-}
-
-TEST(ThreadPoolTest, CallsEveryIndexOnce) {
-  for (const int threads : {1, 2, 5}) {
-    ThreadPool pool(threads);
-    EXPECT_EQ(pool.size(), threads);
-    for (const int64_t count : {0, 1, 7, 1000}) {
-      std::vector<int> calls(static_cast<std::size_t>(count), 0);
-      pool.ParallelFor(count, [&](int64_t i, int worker) {
-        ++calls[static_cast<std::size_t>(i)];
-        EXPECT_LT(worker, threads);
-      });
-      EXPECT_EQ(std::accumulate(calls.begin(), calls.end(), int64_t{0}), count);
-      EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](int c) { return c == 1; }));
-    }
-  }
 }
 
 TEST(ArenaTest, AWarmedUpNetworkAsksForNoMoreMemory) {
