@@ -227,6 +227,7 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
     }
   }
   DescribeAt(trunk, workspace, buffers, features);
+  workspace.arena.Join();
 }
 
 void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features& features) const {
@@ -244,6 +245,7 @@ void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features
     features.scores[i] = scores[y * width + x];
   }
   DescribeAt(trunk, workspace, buffers, features);
+  workspace.arena.Join();
 }
 
 void SampleDescriptors(TensorView<const float> map, const Features::Points& keypoints,

@@ -136,20 +136,5 @@ TEST(NearestNeighborTest, KeepsMutualPairsAndAppliesItsBounds) {
                   .matches0.empty());
 }
 
-TEST(ArenaTest, AWarmedUpNetworkAsksForNoMoreMemory) {
-  const SuperPoint network(OpenSuperPointWeights());
-  ThreadPool pool(2);
-  Workspace workspace(pool);
-  const std::vector<uint8_t> pixels(160 * 120, 90);
-  for (int i = 0; i < 2; ++i) {
-    network.Dense({pixels.data(), 160, 120, 160}, workspace);
-  }
-  const std::size_t capacity = workspace.arena.capacity();
-  for (int i = 0; i < 3; ++i) {
-    network.Dense({pixels.data(), 160, 120, 160}, workspace);
-    EXPECT_EQ(workspace.arena.capacity(), capacity);
-  }
-}
-
 }  // namespace
 }  // namespace gluevo::nn
