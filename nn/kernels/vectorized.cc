@@ -78,6 +78,7 @@ HWY_AFTER_NAMESPACE();
 namespace gluevo::nn::kernels {
 
 std::vector<const Kernels*> VectorizedKernels() {
+#if HWY_ARCH_X86
   const int64_t supported = hwy::SupportedTargets();
   std::vector<const Kernels*> tables;
   const auto add_if_supported = [&](int64_t target, const Kernels& table) {
@@ -85,7 +86,6 @@ std::vector<const Kernels*> VectorizedKernels() {
       tables.push_back(&table);
     }
   };
-#if HWY_ARCH_X86
   // On the few x86 CPUs without SSE4 the portable kernels are scalar ones.
   if ((supported & HWY_SSE4) == 0) {
     tables.push_back(&N_SCALAR::Table());
@@ -93,10 +93,12 @@ std::vector<const Kernels*> VectorizedKernels() {
   add_if_supported(HWY_SSE4, N_SSE4::Table());
   add_if_supported(HWY_AVX2, N_AVX2::Table());
   add_if_supported(HWY_AVX3, N_AVX3::Table());
-#else
-  add_if_supported(HWY_STATIC_TARGET, HWY_STATIC_DISPATCH(Table)());
-#endif
   return tables;
+#else
+  // Not asked of Highway, which counts NEON as there only with the cryptographic instructions, that
+  // no kernel uses and some boards have not got.
+  return {&HWY_STATIC_DISPATCH(Table)()};
+#endif
 }
 
 const Kernels& ScalarKernels() {
