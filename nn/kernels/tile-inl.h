@@ -39,6 +39,8 @@ inline constexpr int kTileVectors = 2;
 
 template <int kRows, int kVectors>
 struct Tile {
+  // Not left to the compiler, which g++ then compiles without the instruction set.
+  HWY_INLINE Tile() {}
   Vector v[kRows][kVectors];
 };
 

@@ -19,6 +19,7 @@
 namespace gluevo::nn::kernels {
 
 std::vector<const Kernels*> VectorizedKernels() {
+#if HWY_ARCH_X86
   const int64_t supported = hwy::SupportedTargets();
   std::vector<const Kernels*> tables;
   const auto add_if_supported = [&](int64_t target, const Kernels& table) {
@@ -26,7 +27,6 @@ std::vector<const Kernels*> VectorizedKernels() {
       tables.push_back(&table);
     }
   };
-#if HWY_ARCH_X86
   // On the few x86 CPUs without SSE4 the portable kernels are scalar ones.
   if ((supported & HWY_SSE4) == 0) {
     tables.push_back(&N_SCALAR::Table());
@@ -37,10 +37,12 @@ std::vector<const Kernels*> VectorizedKernels() {
   if (const Kernels* const table = Avx512Bf16Kernels(); table != nullptr) {
     tables.push_back(table);
   }
-#else
-  add_if_supported(HWY_STATIC_TARGET, HWY_STATIC_DISPATCH(Table)());
-#endif
   return tables;
+#else
+  // Not asked of Highway, which counts NEON as there only with the cryptographic instructions, that
+  // no kernel uses and some boards have not got.
+  return {&HWY_STATIC_DISPATCH(Table)()};
+#endif
 }
 
 const Kernels& ScalarKernels() {

@@ -136,6 +136,7 @@ void SuperGlue::Match(const Features& features0, const Features& features1,
       match = -1;
     }
   }
+  workspace.arena.Join();
 }
 
 }  // namespace gluevo::nn

@@ -226,6 +226,7 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
     }
   }
   DescribeAt(trunk, workspace, buffers, features);
+  workspace.arena.Join();
 }
 
 void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features& features) const {
@@ -243,6 +244,7 @@ void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features
     features.scores[i] = scores[y * width + x];
   }
   DescribeAt(trunk, workspace, buffers, features);
+  workspace.arena.Join();
 }
 
 void SampleDescriptors(TensorView<const float> map, const Features::Points& keypoints,
