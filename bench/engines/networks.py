@@ -53,7 +53,14 @@ def random_superpoint(seed: int) -> Tensors:
 def random_superglue(seed: int) -> Tensors:
     """Of the published shape: 18 layers of width 256, keypoint encoder 3-32-64-128-256-256."""
     weights = make_golden.random_superglue(seed, 256, [32, 64, 128, 256], 18)
-    return {name: values.astype(np.float32) for name, values in weights.items()}
+    # As they come, the scores of 18 layers reach tens of thousands; so scaled, a few tens, and the
+    # keypoints that belong together match.
+    scales = {"kenc.encoder.12.": 0.05, ".mlp.3.": 0.03, "final_proj.weight": 6.0}
+
+    def scale(name: str) -> float:
+        return next((factor for part, factor in scales.items() if part in name), 1.0)
+
+    return {n: (values * scale(n)).astype(np.float32) for n, values in weights.items()}
 
 
 @dataclasses.dataclass(frozen=True)

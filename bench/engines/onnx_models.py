@@ -85,7 +85,10 @@ def superpoint(weights: Tensors, height: int, width: int) -> bytes:
     return graph.model(
         {
             "logits": (convolve("convPb", convolve("convPa", value), False), [1, 65, *cells]),
-            "descriptors": (convolve("convDb", convolve("convDa", value), False), [1, size, *cells]),
+            "descriptors": (
+                convolve("convDb", convolve("convDa", value), False),
+                [1, size, *cells],
+            ),
         }
     )
 

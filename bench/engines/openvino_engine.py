@@ -50,7 +50,7 @@ def graph_network(case: SuperGlueCase, precision: str, threads: int) -> Callable
 
 
 def sinkhorn(case: SuperGlueCase, threads: int) -> Callable[[object], np.ndarray]:
-    """Always in fp32: bf16 would not converge to anything useful."""
+    """In fp32 whatever the graph network has, as in gluevo."""
     run = _load(onnx_models.sinkhorn(case.count, case.network.dustbin), "fp32", threads)
     return lambda scores: run(np.asarray(scores))[0]
 
