@@ -6,24 +6,24 @@ import os
 import pathlib
 import subprocess
 import sys
-import time
-from typing import Sequence
+
+import numpy as np
 
 from . import agreement, cases, networks, report, rounds
-from .cases import Case, SuperGlueCase, SuperPointCase
+from .cases import Case, SuperPointCase
 from .contestants import (
     ENGINES,
     GLUEVO,
     Contestant,
     Gluevo,
     Key,
+    Outputs,
+    reference,
     superglue_engine,
     superpoint_engine,
 )
 
 FOLDER = networks.ROOT / "build" / "compare_engines"
-# Until gluevo has loaded a network and run it once.
-SETTLE_S = 0.5
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -45,7 +45,7 @@ def parse_arguments() -> argparse.Namespace:
     add("--work", nargs="+", choices=works, default=works)
     add("--engines", nargs="+", choices=list(ENGINES), default=list(ENGINES))
     add("--precision", nargs="+", choices=["fp32", "bf16"], default=["fp32", "bf16"])
-    add("--threads", nargs="+", type=int, default=[os.cpu_count()])
+    add("--threads", nargs="+", type=int, default=[len(os.sched_getaffinity(0))])
     add("--keypoints", nargs="+", type=int, default=[200, 500, 1024], help="for SuperGlue")
     add("--size", type=parse_size, default="752x480", help="of the image, pixels")
     add("--image", type=pathlib.Path, help="for SuperPoint, in place of a synthetic one")
@@ -53,8 +53,13 @@ def parse_arguments() -> argparse.Namespace:
     add("--superglue", type=pathlib.Path, help="weights, .safetensors or .npz")
     add("--rounds", type=int, default=15, help="that count")
     add("--most-rounds", type=int, help="that are tried; default: four times --rounds")
-    add("--max-foreign", type=float, default=0.1, metavar="PROCESSORS",
-        help="a round in which others used more is discarded")  # fmt: skip
+    add(
+        "--max-foreign",
+        type=float,
+        default=0.1,
+        metavar="PROCESSORS",
+        help="a round in which others used more is discarded",
+    )
     add("--pause-ms", type=float, default=50.0, help="between engines")
     default = networks.ROOT / "build" / "release" / "apps" / "gluevo"
     add("--gluevo", type=pathlib.Path, default=default, help="the program")
@@ -91,62 +96,53 @@ def make_cases(arguments: argparse.Namespace) -> list[Case]:
     return made
 
 
-def check(contestants: Sequence[Contestant], case: Case) -> list[str]:
-    """Compares all with the first; ends the program where one computes something else."""
-    expected = contestants[0].outputs()
-    agreements = {}
-    for contestant in contestants[1:]:
-        key = contestant.key
-        if key.threads == contestants[0].key.threads:
-            time.sleep(SETTLE_S)
-            agreements[key] = agreement.compare(contestant.outputs(), expected)
-            if not agreements[key].within(key.precision):
-                raise SystemExit(
-                    f"{case.name}: {report.NAMES[key.engine]} {key.precision} differs from gluevo "
-                    f"by {agreements[key]}, tolerance {agreement.TOLERANCE[key.precision]}"
-                )
-    return [f"{case.name}, {line}" for line in agreement.describe(agreements, report.NAMES)]
-
-
-def compare(
-    case: Case, arguments: argparse.Namespace, precisions: list[str]
-) -> tuple[rounds.Record, list[str], list[str]]:
-    """The times, lines on agreement, and notes."""
+def make_contestants(
+    case: Case, image: np.ndarray | None, arguments: argparse.Namespace, precisions: list[str]
+) -> tuple[list[Contestant], list[str]]:
+    """And notes on them. gluevo always runs with one thread too."""
     pause_s = arguments.pause_ms / 1e3
+    contestants: list[Contestant] = []
     notes = []
-    processes: list[Gluevo] = []
-    # gluevo in fp32 with the first number of threads is what the others are compared with.
     for threads in dict.fromkeys([*arguments.threads, 1]):
         for precision in precisions:
-            key = Key(GLUEVO, precision, threads)
-            processes.append(Gluevo(arguments.gluevo, case, key, FOLDER))
-            processes[-1].measure()
-    contestants: list[Contestant] = list(processes)
+            process = Gluevo(arguments.gluevo, case, Key(GLUEVO, precision, threads), FOLDER)
+            process.measure()
+            contestants.append(process)
     for threads in arguments.threads:
         for engine in arguments.engines:
-            for precision in set(precisions) & set(ENGINES[engine].PRECISIONS):
+            for precision in precisions:
+                if precision not in ENGINES[engine].PRECISIONS:
+                    continue
                 key = Key(engine, precision, threads)
                 if isinstance(case, SuperPointCase):
-                    image = processes[0].outputs()["image"]
+                    assert image is not None
                     contestants.append(superpoint_engine(case, image, key, pause_s))
-                else:
-                    made, sinkhorn = superglue_engine(case, key, pause_s)
-                    contestants.append(made)
-                    if sinkhorn != ENGINES[engine].NAME:
-                        notes.append(
-                            f"{case.name}, {precision}, {threads} threads: {ENGINES[engine].NAME} "
-                            f"has no Sinkhorn and takes the fastest of the others, {sinkhorn}'s."
-                        )
-    lines = check(contestants, case)
-    limits = rounds.Limits(arguments.rounds, arguments.most_rounds, arguments.max_foreign, pause_s)
-    record = rounds.run(contestants, limits)
-    for process in processes:
-        process.close()
-    notes.append(
-        f"{case.name}: {len(record.times_ms)} rounds, others used at most {record.foreign:.2f} "
-        f"processors in them; {record.discarded} more discarded."
-    )
-    return record, lines, notes
+                    continue
+                made, sinkhorn = superglue_engine(case, key, pause_s)
+                contestants.append(made)
+                if sinkhorn != ENGINES[engine].NAME:
+                    notes.append(
+                        f"{case.name}, {precision}, {threads} threads: {ENGINES[engine].NAME} has "
+                        f"no Sinkhorn and takes the fastest of the others, {sinkhorn}'s."
+                    )
+    return contestants, notes
+
+
+def check(contestants: list[Contestant], expected: Outputs, case: Case) -> list[str]:
+    """Lines on how much they differ; ends the program where one computes something else."""
+    agreements = {}
+    for contestant in contestants:
+        key = contestant.key
+        agreements[key] = agreement.compare(contestant.outputs(), expected)
+        if not agreements[key].within(key.precision):
+            raise SystemExit(
+                f"{case.name}: {report.NAMES[key.engine]} {key.precision} differs from gluevo in "
+                f"fp32: {agreements[key]}, tolerance {agreement.TOLERANCE[key.precision]}"
+            )
+    most = max(key.threads for key in agreements)
+    itself = Key(GLUEVO, "fp32", most)
+    shown = {k: value for k, value in agreements.items() if k.threads == most and k != itself}
+    return [f"{case.name}, {line}" for line in agreement.describe(shown, report.NAMES)]
 
 
 def main() -> int:
@@ -156,21 +152,35 @@ def main() -> int:
     precisions = [p for p in available if p in arguments.precision]
     if not precisions:
         raise SystemExit(f"{arguments.gluevo} knows no --precision {arguments.precision[0]}")
-    table, agreements, notes = report.header(arguments.engines), [], []
+    limits = rounds.Limits(
+        arguments.rounds, arguments.most_rounds, arguments.max_foreign, arguments.pause_ms / 1e3
+    )
+
+    print(machine(arguments.gluevo) + ".\n")
+    print("\n".join(report.header(arguments.engines)), flush=True)
+    lines, notes = [], []
     complete = True
     for case in make_cases(arguments):
         print(case.name, file=sys.stderr)
-        record, lines, more_notes = compare(case, arguments, precisions)
-        table += report.rows(case.name, record, arguments.engines, precisions, arguments.threads)
-        agreements += lines
+        expected = reference(arguments.gluevo, case, FOLDER)
+        made = make_contestants(case, expected.get("image"), arguments, precisions)
+        contestants, more_notes = made
+        lines += check(contestants, expected, case)
+        record = rounds.run(contestants, limits)
+        for contestant in contestants:
+            contestant.close()
+        for row in report.rows(case.name, record, arguments.engines, precisions, arguments.threads):
+            print(row, flush=True)
         notes += more_notes
+        notes.append(
+            f"{case.name}: {len(record.times_ms)} rounds, others used at most "
+            f"{record.foreign:.2f} processors in them; {record.discarded} more discarded."
+        )
         complete &= len(record.times_ms) == arguments.rounds
-    print(machine(arguments.gluevo) + ".\n")
-    print("\n".join(table))
     print(report.EXPLANATION)
     print("\n".join(f"- {note}" for note in notes))
     print(report.AGREEMENT_EXPLANATION)
-    print("\n".join(f"- {line}" for line in agreements))
+    print("\n".join(f"- {line}" for line in lines))
     if not complete:
         print(f"fewer than {arguments.rounds} quiet rounds: the machine is busy", file=sys.stderr)
     return 0 if complete else 1

@@ -1,7 +1,7 @@
 """Whether all compute the same."""
 
 import dataclasses
-from typing import Mapping
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -62,8 +62,10 @@ def describe(agreements: Mapping[Key, Agreement], name: Mapping[str, str]) -> li
     for key, agreement in agreements.items():
         parts = [f"{what} {value:.1e}" for what, value in agreement.differences.items()]
         if agreement.confidence is not None:
-            parts.append(f"confidences at most {agreement.confidence:.1e} (absolute)")
+            parts.append(f"a confidence {agreement.confidence:.1e} (absolute, at most)")
         if agreement.keypoints is not None:
-            parts.append(f"{100 * agreement.keypoints:.1f} % of the {KEYPOINTS} best keypoints")
+            parts.append(
+                f"{100 * agreement.keypoints:.1f} % of the best {KEYPOINTS} keypoints the same"
+            )
         lines.append(f"{name[key.engine]} {key.precision}: {', '.join(parts)}")
     return lines

@@ -4,12 +4,13 @@ import dataclasses
 import pathlib
 import subprocess
 import time
+from collections.abc import Callable
 from types import ModuleType
-from typing import Any, Callable, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
-from . import networks, ncnn_engine, onnxruntime_engine, openvino_engine
+from . import ncnn_engine, networks, onnxruntime_engine, openvino_engine
 from .cases import Case, SuperGlueCase, SuperPointCase
 
 GLUEVO = "gluevo"
@@ -35,6 +36,16 @@ class Contestant(Protocol):
         """Milliseconds of one call."""
 
     def outputs(self) -> Outputs: ...
+
+    def close(self) -> None: ...
+
+
+def reference(program: pathlib.Path, case: Case, folder: pathlib.Path) -> Outputs:
+    """What gluevo computes in fp32, and what it read: SuperPoint's "image", 0 to 255."""
+    output = folder / "gluevo_reference.safetensors"
+    command = [program, "bench", "--rounds", "1", *case.gluevo_options(), "--output", output]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return dict(networks.read(output))
 
 
 class Gluevo:
@@ -104,6 +115,10 @@ class Engine:
     def outputs(self) -> Outputs:
         self.measure()
         return self._to_outputs(self._result)
+
+    def close(self) -> None:
+        self._stages = []
+        self._result = None
 
 
 def superpoint_engine(case: SuperPointCase, image: np.ndarray, key: Key, pause_s: float) -> Engine:

@@ -4,7 +4,7 @@ stands in."""
 import importlib.metadata
 import pathlib
 import tempfile
-from typing import Callable
+from collections.abc import Callable
 
 import ncnn
 import numpy as np

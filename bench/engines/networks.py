@@ -3,13 +3,13 @@
 import dataclasses
 import pathlib
 import sys
-from typing import Iterator, Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "tests" / "golden"))
-import make_golden  # noqa: E402
+import make_golden as make_golden  # noqa: E402
 
 Tensors = Mapping[str, np.ndarray]
 
@@ -121,16 +121,19 @@ def superglue(weights: Tensors) -> SuperGlue:
         while f"gnn.layers.{index}.mlp.0.weight" in weights:
             prefix = f"gnn.layers.{index}."
             projections = [affine(f"{prefix}attn.proj.{i}") for i in range(3)]
+            query, key, value = (Affine(p.weight[order], p.bias[order]) for p in projections)
             merge = affine(prefix + "attn.merge")
             yield Layer(
-                *(Affine(p.weight[order], p.bias[order]) for p in projections),
+                query,
+                key,
+                value,
                 Affine(merge.weight[:, order], merge.bias),
                 affine(prefix + "mlp.0", prefix + "mlp.1"),
                 affine(prefix + "mlp.3"),
             )
             index += 1
 
-    encoder = []
+    encoder: list[Affine] = []
     while f"kenc.encoder.{3 * len(encoder)}.weight" in weights:
         module = 3 * len(encoder)
         encoder.append(affine(f"kenc.encoder.{module}", f"kenc.encoder.{module + 1}"))

@@ -1,6 +1,6 @@
 """ONNX Runtime."""
 
-from typing import Callable
+from collections.abc import Callable
 
 import numpy as np
 import onnxruntime

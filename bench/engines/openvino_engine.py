@@ -1,6 +1,6 @@
 """OpenVINO."""
 
-from typing import Callable
+from collections.abc import Callable
 
 import numpy as np
 import openvino

@@ -1,7 +1,7 @@
 """The Markdown that the comparison prints."""
 
 import statistics
-from typing import Sequence
+from collections.abc import Sequence
 
 from .agreement import TOLERANCE
 from .contestants import ENGINES, GLUEVO, Key

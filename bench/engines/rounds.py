@@ -6,7 +6,7 @@ import pathlib
 import random
 import sys
 import time
-from typing import Sequence
+from collections.abc import Sequence
 
 from .contestants import Contestant, Gluevo, Key
 
