@@ -77,7 +77,7 @@ def gluevo_precisions(program: pathlib.Path) -> list[str]:
 
 
 def machine(program: pathlib.Path) -> str:
-    command = [program, "bench", "--json", "--rounds", "1", "--size", "64x64"]
+    command = [str(program), "bench", "--json", "--rounds", "1", "--size", "64x64"]
     answer = subprocess.run(command, check=True, capture_output=True, text=True)
     isa = json.loads(answer.stdout)["isa"]
     lines = pathlib.Path("/proc/cpuinfo").read_text().splitlines()

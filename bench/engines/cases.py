@@ -77,9 +77,8 @@ def superpoint(
 def superglue(
     folder: pathlib.Path, weights_file: pathlib.Path | None, count: int, size: tuple[int, int]
 ) -> SuperGlueCase:
-    """Two images of `size` (width, height) with `count` keypoints each, where those of the second are
-    the first's, moved and with noise. Random weights where no file is given. Writes into `folder`.
-    """
+    """Two images of `size` (width, height) with `count` keypoints each, the second's being the
+    first's, moved and with noise. Random weights where no file is given. Writes into `folder`."""
     if weights_file is None:
         random = networks.random_superglue(WEIGHTS_SEED)
         weights_file = write_npz(folder / "superglue_random.npz", random)

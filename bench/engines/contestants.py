@@ -43,7 +43,8 @@ class Contestant(Protocol):
 def reference(program: pathlib.Path, case: Case, folder: pathlib.Path) -> Outputs:
     """What gluevo computes in fp32, and what it read: SuperPoint's "image", 0 to 255."""
     output = folder / "gluevo_reference.safetensors"
-    command = [program, "bench", "--rounds", "1", *case.gluevo_options(), "--output", output]
+    command = [str(program), "bench", "--rounds", "1", *case.gluevo_options()]
+    command += ["--output", str(output)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return dict(networks.read(output))
 
@@ -58,6 +59,7 @@ class Gluevo:
         command += ["--threads", str(key.threads), "--output", str(self._output)]
         if key.precision != "fp32":
             command += ["--precision", key.precision]
+        self._command = " ".join(command)
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
@@ -69,7 +71,7 @@ class Gluevo:
         self._process.stdin.flush()
         answer = self._process.stdout.readline()
         if not answer:
-            raise SystemExit(f"{' '.join(map(str, self._process.args))}: stopped")
+            raise SystemExit(f"{self._command}: stopped")
         return float(answer)
 
     def outputs(self) -> Outputs:

@@ -179,8 +179,9 @@ def sinkhorn(count: int, dustbin: np.float32) -> bytes:
     """scores [count, count] -> log assignment [count + 1, count + 1].
 
     In the log domain with one exponential an entry and iteration, in place of the two of the
-    published form, which took ONNX Runtime 105 ms in place of 15 at 500 keypoints: with e = exp(z + v - m), m the rows' maxima and s the rows' sums of e,
-    u = log mu - m - log s, and v falls by the logarithm of the columns' sums of e mu / s over nu.
+    published form, which took ONNX Runtime 105 ms in place of 15 at 500 keypoints: with
+    e = exp(z + v - m), m the rows' maxima and s the rows' sums of e, u = log mu - m - log s, and v
+    falls by the logarithm of the columns' sums of e mu / s over nu.
     """
     graph = Graph()
     log_mass = np.zeros(count + 1)

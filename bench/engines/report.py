@@ -13,14 +13,14 @@ NAMES = {GLUEVO: "gluevo"} | {key: module.NAME for key, module in ENGINES.items(
 EXPLANATION = f"""
 An engine's column is its time over gluevo's in the same round: the median (least to most) of the
 rounds, above 1 where gluevo is faster; bold is the fastest engine. The last column is gluevo's time
-with one thread over its time with the row's. SuperPoint: gluevo goes from the image to keypoints and
-descriptors, the engines compute the dense network alone. SuperGlue: graph network and
-{SINKHORN_ITERATIONS} Sinkhorn iterations, for the engines in the log domain with one exponential an
-entry and iteration.
+with one thread over its time with the row's. SuperPoint: gluevo goes from the image to keypoints
+and descriptors, the engines compute the dense network alone. SuperGlue: graph network and
+{SINKHORN_ITERATIONS} Sinkhorn iterations, which the engines do in the log domain with one
+exponential an entry and iteration.
 """
 AGREEMENT_EXPLANATION = f"""
-Difference from gluevo in fp32, relative RMS of each output (bounds: fp32 {TOLERANCE["fp32"]}, bf16
-{TOLERANCE["bf16"]}), and what else follows from it:
+Difference from gluevo in fp32: relative RMS of each output (bounds: {TOLERANCE["fp32"]} in fp32,
+{TOLERANCE["bf16"]} in bf16), and what follows from it:
 """
 
 
