@@ -52,7 +52,6 @@ def parse_arguments() -> argparse.Namespace:
     add("--superpoint", type=pathlib.Path, help="weights, .safetensors or .npz")
     add("--superglue", type=pathlib.Path, help="weights, .safetensors or .npz")
     add("--rounds", type=int, default=15, help="that count")
-    add("--most-rounds", type=int, help="that are tried; default: four times --rounds")
     add(
         "--max-foreign",
         type=float,
@@ -60,14 +59,19 @@ def parse_arguments() -> argparse.Namespace:
         metavar="PROCESSORS",
         help="a round in which others used more is discarded",
     )
+    add(
+        "--patience",
+        type=float,
+        default=5.0,
+        metavar="MINUTES",
+        help="for each work, spent on waiting for a quiet machine and on discarded rounds",
+    )
     add("--pause-ms", type=float, default=50.0, help="between engines")
     default = networks.ROOT / "build" / "release" / "apps" / "gluevo"
     add("--gluevo", type=pathlib.Path, default=default, help="the program")
     arguments = parser.parse_args()
     if not arguments.gluevo.is_file():
         parser.error(f"{arguments.gluevo}: no such program; build it, or name another by --gluevo")
-    if arguments.most_rounds is None:
-        arguments.most_rounds = 4 * arguments.rounds
     return arguments
 
 
@@ -153,7 +157,10 @@ def main() -> int:
     if not precisions:
         raise SystemExit(f"{arguments.gluevo} knows no --precision {arguments.precision[0]}")
     limits = rounds.Limits(
-        arguments.rounds, arguments.most_rounds, arguments.max_foreign, arguments.pause_ms / 1e3
+        arguments.rounds,
+        arguments.max_foreign,
+        arguments.patience * 60,
+        arguments.pause_ms / 1e3,
     )
 
     print(machine(arguments.gluevo) + ".\n")

@@ -49,7 +49,7 @@ Case = SuperPointCase | SuperGlueCase
 
 
 def write_npz(path: pathlib.Path, tensors: Tensors) -> pathlib.Path:
-    np.savez(path, **tensors)
+    np.savez(path, **dict(tensors))
     return path
 
 

@@ -11,13 +11,15 @@ from collections.abc import Sequence
 from .contestants import Contestant, Gluevo, Key
 
 TICKS_PER_S = os.sysconf("SC_CLK_TCK")
+# How long others must be quiet before another round is tried.
+LOOK_S = 1.0
 
 
 @dataclasses.dataclass(frozen=True)
 class Limits:
     rounds: int  # Wanted.
-    most_rounds: int  # Tried.
     foreign: float  # Processors that others may use in a round that counts.
+    patience_s: float  # For rounds that do not count, and for waiting until the machine is quiet.
     pause_s: float  # Between two contestants.
 
 
@@ -45,6 +47,21 @@ def _foreign_s(pids: Sequence[int]) -> float:
     return _machine_s() - sum(map(_process_s, pids))
 
 
+class _Watch:
+    """How much others use from its making on."""
+
+    def __init__(self, pids: Sequence[int]) -> None:
+        self._pids = pids
+        self._start_s = time.perf_counter()
+        self._used_s = _foreign_s(pids)
+
+    def seconds(self) -> float:
+        return time.perf_counter() - self._start_s
+
+    def processors(self) -> float:
+        return max(0.0, (_foreign_s(self._pids) - self._used_s) / self.seconds())
+
+
 def run(contestants: Sequence[Contestant], limits: Limits) -> Record:
     pids = [os.getpid()] + [c.pid for c in contestants if isinstance(c, Gluevo)]
     for contestant in contestants:
@@ -52,30 +69,34 @@ def run(contestants: Sequence[Contestant], limits: Limits) -> Record:
     record = Record([], 0, 0.0)
     order = list(contestants)
     generator = random.Random(1)
-    for number in range(limits.most_rounds):
+    impatience_s = 0.0
+    while len(record.times_ms) < limits.rounds and impatience_s <= limits.patience_s:
         # Nobody always runs after the same one.
         generator.shuffle(order)
-        start_s = time.perf_counter()
-        foreign_before_s = _foreign_s(pids)
+        watch = _Watch(pids)
         times_ms = {}
         for contestant in order:
             time.sleep(limits.pause_s)
             times_ms[contestant.key] = contestant.measure()
-        used_s = _foreign_s(pids) - foreign_before_s
-        foreign = max(0.0, used_s / (time.perf_counter() - start_s))
-        if foreign > limits.foreign:
-            record.discarded += 1
-        else:
+        foreign = watch.processors()
+        is_quiet = foreign <= limits.foreign
+        if is_quiet:
             record.times_ms.append(times_ms)
             record.foreign = max(record.foreign, foreign)
+        else:
+            record.discarded += 1
+            impatience_s += watch.seconds()
         print(
-            f"\r  round {number + 1}: {len(record.times_ms)} of {limits.rounds}, "
-            f"{record.discarded} discarded (others now use {foreign:.2f} processors) ",
+            f"\r  {len(record.times_ms)} of {limits.rounds} rounds, {record.discarded} discarded "
+            f"(in the last one others used {foreign:.2f} processors) ",
             end="",
             file=sys.stderr,
             flush=True,
         )
-        if len(record.times_ms) == limits.rounds:
-            break
+        while not is_quiet and impatience_s <= limits.patience_s:
+            watch = _Watch(pids)
+            time.sleep(LOOK_S)
+            is_quiet = watch.processors() <= limits.foreign
+            impatience_s += watch.seconds()
     print(file=sys.stderr)
     return record
