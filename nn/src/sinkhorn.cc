@@ -20,7 +20,8 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
   const int64_t chunk_rows = std::max<int64_t>(16, (rows + kMostChunks - 1) / kMostChunks);
   const int64_t chunks = (rows + chunk_rows - 1) / chunk_rows;
   const TensorView<float> sums = arena.Allocate<float>({chunks, stride});
-  const TensorView<float> scratch = arena.Allocate<float>({workspace.pool.size(), stride});
+  const TensorView<float> scratch =
+      arena.Allocate<float>({workspace.pool.size(), kernels::kSinkhornRows * stride});
   const TensorView<float> u = arena.Allocate<float>({rows});
   const TensorView<float> v = arena.Allocate<float>({stride});
   const TensorView<float> log_mu = arena.Allocate<float>({rows});
@@ -29,7 +30,9 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
   const float norm = -std::log(static_cast<float>(n0 + n1));
   std::fill_n(log_mu.data(), n0, norm);
   log_mu[n0] = std::log(static_cast<float>(n1)) + norm;
-  const float log_nu_dustbin = std::log(static_cast<float>(n0)) + norm;
+  Eigen::Map<Eigen::VectorXf> log_nu(arena.Allocate<float>({stride}).data(), stride);
+  log_nu.setConstant(norm);
+  log_nu[n1] = std::log(static_cast<float>(n0)) + norm;
   std::fill_n(u.data(), rows, 0.0F);
   std::fill_n(v.data(), stride, 0.0F);
 
@@ -44,20 +47,20 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
                              .log_mu = log_mu.data(),
                              .u = u.data(),
                              .column_sums = column_sums,
-                             .scratch = scratch.data() + worker * stride,
+                             .scratch = scratch.data() + worker * scratch.extent(1),
                              .row_begin = chunk * chunk_rows,
                              .row_end = std::min(rows, (chunk + 1) * chunk_rows)});
     });
-    for (int64_t j = 0; j < columns; ++j) {
-      float sum = 0.0F;
-      for (int64_t chunk = 0; chunk < chunks; ++chunk) {
-        sum += sums[chunk * stride + j];
-      }
-      // A column that is far below its rows' largest entries may vanish in single precision; the
-      // smallest number lets the next iterations lift it.
-      v[j] += (j < n1 ? norm : log_nu_dustbin) -
-              std::log(std::max(sum, std::numeric_limits<float>::min()));
-    }
+    // A column that is far below its rows' largest entries may vanish in single precision; the
+    // smallest number lets the next iterations lift it.
+    v.Vector() += log_nu - sums.Matrix()
+                               .colwise()
+                               .sum()
+                               .transpose()
+                               .array()
+                               .max(std::numeric_limits<float>::min())
+                               .log()
+                               .matrix();
   }
 
   for (int64_t i = 0; i < rows; ++i) {
