@@ -255,7 +255,7 @@ TEST_P(ScratchMemoryTest, SuperPointDoesNotDependOnIt) {
 }
 
 TEST_P(ScratchMemoryTest, SuperGlueDoesNotDependOnIt) {
-  const SuperGlue network(OpenSuperGlueWeights(), GetParam());
+  const SuperGlue network(OpenSuperGlueWeights(), Precision::kFloat, GetParam());
   ThreadPool pool(2);
   const Features features0 = RandomFeatures(23, 256, 1);
   const Features features1 = RandomFeatures(37, 256, 2);
