@@ -181,28 +181,32 @@ struct DetectorSoftmax {
   int64_t cell_row_end = 0;
 };
 
-/// Rows [row_begin, row_end) of one Sinkhorn iteration in the log domain (SuperGlue, section 3.3).
-/// With any m_i, e_ij = exp(z_ij + v_j - m_i) and s_i its sum over j:
-///   u_i = log_mu_i - m_i - log s_i,   column_sums_j += e_ij * exp(log_mu_i) / s_i.
-/// The caller then sets v_j <- v_j + log_nu_j - log(column_sums_j): the same mathematics as two
-/// log-sum-exps, with one exponential an entry. m_i is what the last iteration's u_i suggests, or
-/// the largest of z_ij + v_j where that would lose digits.
-struct SinkhornRows {
+/// Rows [row_begin, row_end) of k_ij = exp(z_ij + u_i + v_j): a transport plan, or the kernel that
+/// Sinkhorn's iterations scale to one. Entries below exp(-80) and the padding of rows become 0.
+struct SinkhornExponentials {
   const float* z = nullptr;  ///< [rows][stride], stride a multiple of kBlock; padding is ignored.
   int64_t stride = 0;
   int64_t columns = 0;
-  const float* v = nullptr;       ///< [columns rounded up to kBlock]
-  const float* log_mu = nullptr;  ///< [rows]
-  float* u = nullptr;             ///< [rows]; of the iteration before, then of this one.
-  float* column_sums = nullptr;   ///< [columns rounded up to kBlock]; added to.
-  /// kSinkhornRows * (columns rounded up to kBlock) floats, of this thread only.
-  float* scratch = nullptr;
+  const float* u = nullptr;  ///< [rows]
+  const float* v = nullptr;  ///< [stride]
+  float* k = nullptr;        ///< [rows][stride]
   int64_t row_begin = 0;
   int64_t row_end = 0;
 };
 
-/// Rows that are added to the column sums together.
-inline constexpr int64_t kSinkhornRows = 4;
+/// Rows [row_begin, row_end) of one Sinkhorn iteration (Cuturi 2013):
+///   a_i = mu_i / sum_j k_ij b_j,   column_sums_j += k_ij a_i.
+/// The caller then sets b_j to nu_j over the column's sum.
+struct SinkhornRows {
+  const float* k = nullptr;  ///< [rows][stride], stride a multiple of kBlock, zeros in the padding.
+  int64_t stride = 0;
+  const float* b = nullptr;      ///< [stride], finite in the padding.
+  const float* mu = nullptr;     ///< [rows]
+  float* a = nullptr;            ///< [rows]
+  float* column_sums = nullptr;  ///< [stride]; added to.
+  int64_t row_begin = 0;
+  int64_t row_end = 0;
+};
 
 /// Bound of the relative error of the fast kernels' exponential: 1.8 units of 2^-24 of its
 /// polynomial, the rest of rounding.
@@ -220,6 +224,7 @@ struct Kernels {
   void (*attention)(const Attention<float>&) = nullptr;
   void (*attention_bf16)(const Attention<Bf16Pair>&) = nullptr;
   void (*detector_softmax)(const DetectorSoftmax&) = nullptr;
+  void (*sinkhorn_exponentials)(const SinkhornExponentials&) = nullptr;
   void (*sinkhorn_rows)(const SinkhornRows&) = nullptr;
   /// Floating-point operations a second of one thread that does nothing but multiply-adds on
   /// registers, over `seconds`: the peak that shares are quoted of.

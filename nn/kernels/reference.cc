@@ -160,22 +160,28 @@ void ReferenceDetectorSoftmax(const DetectorSoftmax& p) {
   }
 }
 
+void ReferenceSinkhornExponentials(const SinkhornExponentials& p) {
+  for (int64_t row = p.row_begin; row < p.row_end; ++row) {
+    for (int64_t j = 0; j < p.stride; ++j) {
+      const int64_t at = row * p.stride + j;
+      const double x = j < p.columns ? static_cast<double>(p.z[at]) + p.u[row] + p.v[j] : -1000.0;
+      p.k[at] = x >= -80.0 ? static_cast<float>(std::exp(x)) : 0.0F;
+    }
+  }
+}
+
 void ReferenceSinkhornRows(const SinkhornRows& p) {
   for (int64_t row = p.row_begin; row < p.row_end; ++row) {
-    const float* z = p.z + row * p.stride;
-    double largest = -std::numeric_limits<double>::infinity();
-    for (int64_t j = 0; j < p.columns; ++j) {
-      largest = std::max(largest, static_cast<double>(z[j]) + p.v[j]);
-    }
+    const float* k = p.k + row * p.stride;
     double sum = 0.0;
-    for (int64_t j = 0; j < p.columns; ++j) {
-      sum += std::exp(static_cast<double>(z[j]) + p.v[j] - largest);
+    for (int64_t j = 0; j < p.stride; ++j) {
+      sum += static_cast<double>(k[j]) * p.b[j];
     }
-    p.u[row] = static_cast<float>(p.log_mu[row] - largest - std::log(sum));
-    const double weight = std::exp(static_cast<double>(p.log_mu[row])) / sum;
-    for (int64_t j = 0; j < p.columns; ++j) {
-      p.column_sums[j] = static_cast<float>(
-          p.column_sums[j] + weight * std::exp(static_cast<double>(z[j]) + p.v[j] - largest));
+    sum = std::max<double>(sum, std::numeric_limits<float>::min());
+    p.a[row] = static_cast<float>(p.mu[row] / sum);
+    for (int64_t j = 0; j < p.stride; ++j) {
+      p.column_sums[j] =
+          static_cast<float>(p.column_sums[j] + static_cast<double>(k[j]) * p.a[row]);
     }
   }
 }
@@ -207,6 +213,7 @@ const Kernels& ReferenceKernels() {
       .attention = ReferenceAttention<float>,
       .attention_bf16 = ReferenceAttention<Bf16Pair>,
       .detector_softmax = ReferenceDetectorSoftmax,
+      .sinkhorn_exponentials = ReferenceSinkhornExponentials,
       .sinkhorn_rows = ReferenceSinkhornRows,
       .peak_flops = ReferencePeakFlops,
       .peak_flops_bf16 = ReferencePeakFlops,

@@ -13,6 +13,7 @@
 #include "kernels/attention-inl.h"
 #include "kernels/conv3x3-inl.h"
 #include "kernels/matmul-inl.h"
+#include "kernels/sinkhorn-inl.h"
 #include "kernels/softmax-inl.h"
 #include "kernels/tile-inl.h"
 #include "kernels/winograd-inl.h"
@@ -76,6 +77,7 @@ const Kernels& Table() {
       .attention = FastAttention<float>,
       .attention_bf16 = FastAttention<Bf16Pair>,
       .detector_softmax = FastDetectorSoftmax,
+      .sinkhorn_exponentials = FastSinkhornExponentials,
       .sinkhorn_rows = FastSinkhornRows,
       .peak_flops = FastPeakFlops<float>,
       .peak_flops_bf16 = FastPeakFlops<Bf16Pair>,

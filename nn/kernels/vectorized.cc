@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <limits>
 
 #define GLUEVO_SET_NAMESPACE HWY_NAMESPACE
 #define GLUEVO_SET_HAS_BF16 0
