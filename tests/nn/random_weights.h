@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cmath>
+#include <initializer_list>
+#include <random>
+#include <string>
+
+#include "gluevo/nn/weights.h"
+
+namespace gluevo::nn {
+
+/// Networks of the published shapes with random weights from a seed, scaled so that activations
+/// stay of the order of 1 (He et al. 2015): what a network costs does not depend on the values.
+class RandomWeights {
+ public:
+  explicit RandomWeights(unsigned seed) : generator_(seed) { weights_.source = "random weights"; }
+
+  /// NAME.weight and NAME.bias; the first extent of `shape` is that of the outputs.
+  void AddConvolution(const std::string& name, std::initializer_list<int64_t> shape,
+                      double gain = 2.0) {
+    const Shape weight_shape(shape);
+    const int64_t outputs = weight_shape[0];
+    const double fan_in = static_cast<double>(weight_shape.size() / outputs);
+    Fill(name + ".weight", weight_shape, std::sqrt(gain / fan_in));
+    Fill(name + ".bias", {outputs}, 0.01);
+  }
+  /// The identity, but for rounding.
+  void AddBatchNorm(const std::string& name, int64_t size) {
+    for (const char* const part : {".weight", ".bias", ".running_mean", ".running_var"}) {
+      Tensor<float> tensor(Shape{size});
+      const bool one = part[1] == 'w' || std::string(part) == ".running_var";
+      tensor.view().Vector().setConstant(one ? 1.0F : 0.0F);
+      weights_.tensors[name + part] = tensor;
+    }
+  }
+  void Fill(const std::string& name, const Shape& shape, double deviation) {
+    std::normal_distribution<float> normal(0.0F, static_cast<float>(deviation));
+    Tensor<float> tensor(shape);
+    for (int64_t i = 0; i < tensor.size(); ++i) {
+      tensor[i] = normal(generator_);
+    }
+    weights_.tensors[name] = tensor;
+  }
+  const Weights& weights() const { return weights_; }
+
+ private:
+  std::mt19937 generator_;
+  Weights weights_;
+};
+
+/// SuperPoint as published: 64, 64, 128, 128 channels, heads of 256.
+inline Weights RandomSuperPoint() {
+  RandomWeights random(1);
+  const char* const names[] = {"conv1a", "conv1b", "conv2a", "conv2b",
+                               "conv3a", "conv3b", "conv4a", "conv4b"};
+  int64_t in = 1;
+  for (int i = 0; i < 8; ++i) {
+    const int64_t out = i < 4 ? 64 : 128;
+    random.AddConvolution(names[i], {out, in, 3, 3});
+    in = out;
+  }
+  for (const auto& [head, out] : {std::pair<std::string, int64_t>{"convP", 65}, {"convD", 256}}) {
+    random.AddConvolution(head + "a", {256, in, 3, 3});
+    random.AddConvolution(head + "b", {out, 256, 1, 1});
+  }
+  return random.weights();
+}
+
+/// SuperGlue as published: descriptors of 256, `layers` of 18 layers with 4 heads.
+inline Weights RandomSuperGlue(int layers = 18) {
+  constexpr int64_t kSize = 256;
+  RandomWeights random(2);
+  int64_t in = 3;
+  for (int i = 0; i < 5; ++i) {
+    const int64_t out = i < 3 ? 32 << i : kSize;
+    const std::string prefix = "kenc.encoder.";
+    random.AddConvolution(prefix + std::to_string(3 * i), {out, in, 1}, i < 4 ? 2.0 : 0.02);
+    if (i < 4) {
+      random.AddBatchNorm(prefix + std::to_string(3 * i + 1), out);
+    }
+    in = out;
+  }
+  for (int i = 0; i < layers; ++i) {
+    const std::string prefix = "gnn.layers." + std::to_string(i) + ".";
+    for (const char* const name : {"attn.proj.0", "attn.proj.1", "attn.proj.2", "attn.merge"}) {
+      random.AddConvolution(prefix + name, {kSize, kSize, 1}, 1.0);
+    }
+    random.AddConvolution(prefix + "mlp.0", {2 * kSize, 2 * kSize, 1});
+    random.AddBatchNorm(prefix + "mlp.1", 2 * kSize);
+    random.AddConvolution(prefix + "mlp.3", {kSize, 2 * kSize, 1}, 0.02);
+  }
+  random.AddConvolution("final_proj", {kSize, kSize, 1}, 1.0);
+  random.Fill("bin_score", {}, 1.0);
+  return random.weights();
+}
+
+}  // namespace gluevo::nn
