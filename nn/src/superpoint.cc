@@ -217,12 +217,13 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
   features.scores.resize(static_cast<Eigen::Index>(selected.size()));
   for (std::size_t i = 0; i < selected.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
+    const int64_t y = selected[i] / width;
     features.keypoints(row, 0) = static_cast<float>(selected[i] % width);
-    features.keypoints(row, 1) = static_cast<float>(selected[i] / width);
+    features.keypoints(row, 1) = static_cast<float>(y);
     features.scores[row] = scores[selected[i]];
     if (options.subpixel) {
       features.keypoints(row, 0) += PeakOffset(scores, selected[i], selected[i] % width, 1);
-      features.keypoints(row, 1) += PeakOffset(scores, selected[i], selected[i] / width, width);
+      features.keypoints(row, 1) += PeakOffset(scores, selected[i], y, width);
     }
   }
   DescribeAt(trunk, workspace, buffers, features);

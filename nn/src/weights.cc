@@ -57,7 +57,8 @@ Weights ParseWeights(const void* bytes, std::size_t size, const std::string& sou
   if (size == 0) {
     file.Fail(0, "the file is empty, expected .safetensors or .npz");
   }
-  if (LooksLikeSafetensors(file)) {
+  // The two ways to safetensors are apart because a header's length may read "PK".
+  if (LooksLikeSafetensors(file)) {  // NOLINT(bugprone-branch-clone)
     ParseSafetensors(file, weights);
   } else if (StartsWith(file, "PK")) {
     ParseNpz(file, weights);

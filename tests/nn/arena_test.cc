@@ -16,6 +16,7 @@ constexpr std::size_t kMiB = std::size_t{1} << 20;
 
 std::vector<std::byte*> Allocate(Arena& arena, const std::vector<std::size_t>& sizes) {
   std::vector<std::byte*> tensors;
+  tensors.reserve(sizes.size());
   for (const std::size_t size : sizes) {
     tensors.push_back(arena.Allocate<std::byte>({static_cast<int64_t>(size)}).data());
   }

@@ -108,10 +108,11 @@ TEST_F(IsaTest, WhatIsUnknownOrNotSupportedIsRefusedWithTheNamesOfWhatIs) {
       ChooseIsa();
       FAIL() << name;
     } catch (const Error& error) {
-      EXPECT_EQ(error.what(), "GLUEVO_ISA=" + name +
-                                  " is not an instruction set that this CPU and this build "
-                                  "support: " +
-                                  supported);
+      std::string expected = "GLUEVO_ISA=";
+      expected += name;
+      expected += " is not an instruction set that this CPU and this build support: ";
+      expected += supported;
+      EXPECT_EQ(error.what(), expected);
     }
   }
 }

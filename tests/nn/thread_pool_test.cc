@@ -175,6 +175,7 @@ TEST(ThreadPoolTest, CallersFromSeveralThreadsAreNeverTheSameWorkerAtOnce) {
       }
     };
     std::vector<std::thread> callers;
+    callers.reserve(3);
     for (int i = 0; i < 3; ++i) {
       callers.emplace_back(call);
     }
