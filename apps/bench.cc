@@ -56,6 +56,7 @@ void RunOnRequest(const BenchWork& work) {
 
 void Report(const BenchArguments& arguments, const BenchWork& work, int threads) {
   std::vector<double> times;
+  times.reserve(static_cast<std::size_t>(arguments.rounds));
   for (int i = 0; i < arguments.rounds; ++i) {
     times.push_back(Milliseconds(work));
   }

@@ -141,7 +141,7 @@ def check(contestants: list[Contestant], expected: Outputs, case: Case) -> list[
         if not agreements[key].within(key.precision):
             raise SystemExit(
                 f"{case.name}: {report.NAMES[key.engine]} {key.precision} differs from gluevo in "
-                f"fp32: {agreements[key]}, tolerance {agreement.TOLERANCE[key.precision]}"
+                f"fp32 by more than {agreement.TOLERANCE[key.precision]:.1e}: {agreements[key]}"
             )
     most = max(key.threads for key in agreements)
     itself = Key(GLUEVO, "fp32", most)

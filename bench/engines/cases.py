@@ -64,6 +64,9 @@ def superpoint(
     if weights_file is None:
         random = networks.random_superpoint(WEIGHTS_SEED)
         weights_file = write_npz(folder / "superpoint_random.npz", random)
+    weights = networks.read(weights_file)
+    if any(name.endswith(".scale") for name in weights):
+        raise SystemExit(f"{weights_file}: batch normalisation after activations is not supported")
     name = f"SuperPoint {size[0]}x{size[1]}"
     if image_file is None:
         image = make_golden.synthetic_image(*size, IMAGE_SEED)
@@ -71,7 +74,7 @@ def superpoint(
         image_file.write_bytes(b"P5\n%d %d\n255\n" % size + image.tobytes())
     else:
         name = f"SuperPoint, {image_file.name}"
-    return SuperPointCase(name, weights_file, image_file, networks.read(weights_file))
+    return SuperPointCase(name, weights_file, image_file, weights)
 
 
 def superglue(

@@ -54,8 +54,16 @@ def random_superglue(seed: int) -> Tensors:
     """Of the published shape: 18 layers of width 256, keypoint encoder 3-32-64-128-256-256."""
     weights = make_golden.random_superglue(seed, 256, [32, 64, 128, 256], 18)
     # As they come, the scores of 18 layers reach tens of thousands; so scaled, a few tens, and the
-    # keypoints that belong together match.
-    scales = {"kenc.encoder.12.": 0.05, ".mlp.3.": 0.03, "final_proj.weight": 6.0}
+    # keypoints that belong together match. Queries and keys are large enough for attention to
+    # differ from a mean: heads mixed up in all layers change the outputs by 1.5e-3, the queries'
+    # in one layer by 4e-4.
+    scales = {
+        "kenc.encoder.12.": 0.05,
+        ".attn.proj.0.weight": 6.0,
+        ".attn.proj.1.weight": 6.0,
+        ".mlp.3.": 0.05,
+        "final_proj.weight": 6.0,
+    }
 
     def scale(name: str) -> float:
         return next((factor for part, factor in scales.items() if part in name), 1.0)

@@ -3,7 +3,7 @@
 import statistics
 from collections.abc import Sequence
 
-from .agreement import TOLERANCE
+from .agreement import CONFIDENCE_TOLERANCE, TOLERANCE
 from .contestants import ENGINES, GLUEVO, Key
 from .networks import SINKHORN_ITERATIONS
 from .rounds import Record
@@ -19,8 +19,9 @@ and descriptors, the engines compute the dense network alone. SuperGlue: graph n
 exponential an entry and iteration.
 """
 AGREEMENT_EXPLANATION = f"""
-Difference from gluevo in fp32: relative RMS of each output (bounds: {TOLERANCE["fp32"]} in fp32,
-{TOLERANCE["bf16"]} in bf16), and what follows from it:
+Difference from gluevo in fp32: relative RMS of each output (bounds: {TOLERANCE["fp32"]:.1e} in
+fp32, {TOLERANCE["bf16"]} in bf16), largest difference of a confidence (bound in fp32:
+{CONFIDENCE_TOLERANCE}), and keypoints:
 """
 
 
