@@ -1,7 +1,6 @@
 #include "network_options.h"
 
 #include <algorithm>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -50,11 +49,8 @@ void AddNetworkOptions(CLI::App& command, NetworkOptions& options) {
       .add_option("--precision", options.precision,
                   "Of SuperGlue's matrix products: float, or bf16, which is faster on CPUs with "
                   "AVX512_BF16 (SuperPoint is always float: its Winograd convolutions are faster)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, nn::Precision>{{"float", nn::Precision::kFloat},
-                                               {"bf16", nn::Precision::kBf16}},
-          CLI::ignore_case))
-      ->default_str("float");
+      ->check(CLI::IsMember({"float", "bf16"}))
+      ->capture_default_str();
   command.add_option("--threads", options.threads, "Threads; default: one for each processor")
       ->check(CLI::Range(1, 1024));
 }
@@ -98,7 +94,8 @@ Networks LoadNetworks(const NetworkOptions& options, bool with_superglue) {
   if (with_superglue) {
     const nn::Weights superglue =
         superglue_file ? nn::ReadWeights(*superglue_file) : nn::OpenSuperGlueWeights();
-    networks.superglue = std::make_shared<nn::SuperGlue>(superglue, options.precision);
+    networks.superglue = std::make_shared<nn::SuperGlue>(
+        superglue, options.precision == "bf16" ? nn::Precision::kBf16 : nn::Precision::kFloat);
     networks.superglue_record = {superglue.source, superglue.checksum};
     if (networks.superpoint->descriptor_size() != networks.superglue->descriptor_size()) {
       throw Error(superglue.source + ": a SuperGlue for descriptors of " +

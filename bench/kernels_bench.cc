@@ -121,7 +121,7 @@ void Product(benchmark::State& state, const Kernels& kernels, int64_t in, int64_
   const Tensor<Element> b = Random<Element>(PackedMatrixSize<Element>(columns, in));
   const Tensor<float> bias = Random(columns);
   Tensor<float> c(Shape{columns * kRows});
-  Tensor<Bf16Pair> rounded(Shape{columns / 2 * kRows});
+  Tensor<Bf16Pair> rounded(Shape{ElementBlocks<Bf16Pair>(columns) * kRows * kBlock});
   for (auto _ : state) {
     Multiply<Element>(kernels, {.a0 = a.data(),
                                 .a0_block_stride = kRows * kBlock,
