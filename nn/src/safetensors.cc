@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "elements.h"
+#include "gluevo/nn/elements.h"
 #include "gluevo/nn/output_file.h"
 
 namespace gluevo::nn {
@@ -235,9 +235,11 @@ std::size_t EntryElementSize(const Bytes& file, const Entry& entry, ElementType*
     *type = ElementType::kF16;
   } else if (entry.dtype == "BF16") {
     *type = ElementType::kBF16;
+  } else if (entry.dtype == "F64") {
+    *type = ElementType::kF64;
   } else {
     file.Fail(entry.at, "tensor " + Quoted(entry.name) + " has element type " +
-                            Quoted(entry.dtype) + ", expected F32, F16 or BF16");
+                            Quoted(entry.dtype) + ", expected F32, F16, BF16 or F64");
   }
   return ElementSize(*type);
 }

@@ -7,7 +7,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "bytes.h"
+#include "gluevo/nn/bytes.h"
+#include "gluevo/nn/npy.h"
 #include "npz.h"
 #include "safetensors.h"
 
@@ -61,7 +62,7 @@ Weights ParseWeights(const void* bytes, std::size_t size, const std::string& sou
     ParseSafetensors(file, weights);
   } else if (StartsWith(file, "PK")) {
     ParseNpz(file, weights);
-  } else if (StartsWith(file, "\x93NUMPY")) {
+  } else if (LooksLikeNpy(file)) {
     file.Fail(0, "the file is a single .npy array, expected .safetensors or .npz");
   } else if (size <= 8 || file.data()[8] == '{' || file.U32(4, "") == 0) {
     // Meant as safetensors: says what is wrong with the header.
