@@ -54,7 +54,7 @@ nn::Weights Convert(const std::vector<std::filesystem::path>& inputs,
   std::vector<nn::Weights> parts;
   parts.reserve(inputs.size());
   for (const std::filesystem::path& input : inputs) {
-    parts.push_back(ReadContainer(input));
+    parts.push_back(ReadContainer(input).weights);
   }
   const auto found = parts.front().metadata.find("converter");
   const bool converted_before = parts.size() == 1 && found != parts.front().metadata.end() &&
