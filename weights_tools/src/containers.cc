@@ -8,6 +8,8 @@
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/npy.h"
 #include "gluevo/nn/zip.h"
+#include "onnx.h"
+#include "onnx_model.h"
 #include "torch.h"
 
 namespace gluevo::weights_tools {
@@ -41,6 +43,19 @@ void RefuseUsualMistakes(const nn::Bytes& file) {
   }
 }
 
+nn::Weights ParseSafetensors(const nn::Bytes& file, const std::string& source) {
+  // The eighth byte of its header's length is zero, and what it begins with a brace.
+  constexpr std::size_t kHeaderAt = 8;
+  const bool looks_so =
+      file.size() <= kHeaderAt || file.data()[kHeaderAt] == '{' || file.data()[kHeaderAt - 1] == 0;
+  if (file.size() > 0 && !looks_so) {
+    file.Fail(0,
+              "the file is of no known form: expected .pth or .pt of PyTorch, .safetensors, "
+              ".npz, .npy or .onnx");
+  }
+  return nn::ParseWeights(file.data(), file.size(), source);
+}
+
 Container ParseZip(const nn::Bytes& file) {
   Container container;
   const std::vector<nn::ZipEntry> entries = nn::ReadZipDirectory(file);
@@ -72,9 +87,12 @@ Container Parse(const nn::Bytes& file, const std::string& source) {
   } else if (LooksLikeTorchLegacy(file)) {
     container.form = "torch-legacy";
     ParseTorchLegacy(file, container.weights);
+  } else if (LooksLikeOnnx(file)) {
+    container.form = "onnx";
+    ParseOnnx(file, container);
   } else {
     container.form = "safetensors";
-    container.weights = nn::ParseWeights(file.data(), file.size(), source);
+    container.weights = ParseSafetensors(file, source);
   }
   return container;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -11,26 +12,39 @@
 namespace gluevo::weights_tools {
 namespace {
 
-std::string WithoutWrappings(std::string_view name) {
-  constexpr std::array<std::string_view, 12> kWrappings = {
-      "module.",     "_orig_mod.", "net.",       "model.",   "network.",    "matching.",
-      "superpoint.", "superglue.", "extractor.", "matcher.", "state_dict.", "keypoint_detector."};
-  for (bool found = true; found;) {
-    found = false;
-    for (const std::string_view wrapping : kWrappings) {
-      if (name.starts_with(wrapping)) {
-        name.remove_prefix(wrapping.size());
-        found = true;
+// How the first layer is called in each dialect.
+constexpr std::array<std::string_view, 6> kFirstLayers = {
+    "conv1a.",         "encoder.conv_blocks.0.conv_a.", "backbone.0.0.conv.", "inc.conv.conv.0.",
+    "kenc.encoder.0.", "keypoint_encoder.encoder.0."};
+
+// What stands before the names of first layers: of a program's modules that hold a network, and of
+// the wrappings that training puts around it.
+std::set<std::string> WrappingsOf(const nn::Weights& weights) {
+  std::set<std::string> wrappings;
+  for (const auto& [name, tensor] : weights.tensors) {
+    for (const std::string_view layer : kFirstLayers) {
+      const std::size_t at = name.find(layer);
+      if (at != std::string::npos && at > 0 && name[at - 1] == '.') {
+        wrappings.insert(name.substr(0, at));
       }
     }
   }
-  return std::string(name);
+  return wrappings;
+}
+
+std::string WithoutWrapping(const std::string& name, const std::set<std::string>& wrappings) {
+  std::size_t longest = 0;
+  for (const std::string& wrapping : wrappings) {
+    longest = name.starts_with(wrapping) ? std::max(longest, wrapping.size()) : longest;
+  }
+  return name.substr(longest);
 }
 
 void RemoveWrappings(nn::Weights& weights) {
+  const std::set<std::string> wrappings = WrappingsOf(weights);
   std::map<std::string, nn::Tensor<float>> tensors;
   for (auto& [name, tensor] : weights.tensors) {
-    const std::string inner = WithoutWrappings(name);
+    const std::string inner = WithoutWrapping(name, wrappings);
     if (!tensors.emplace(inner, std::move(tensor)).second) {
       throw Error(weights.source + ": tensor " + Quoted(name) + " is the second that means " +
                   Quoted(inner));

@@ -17,8 +17,8 @@ struct CanonicalNetwork {
 
 /// Second stage of a conversion: from the names and shapes of the file's maker to the canonical
 /// ones, which are the published ones (see superpoint_dialects.h and superglue_dialects.h). What
-/// wraps a network inside a program ("module.", "net.", "superpoint.", ...) is taken off its names
-/// first. `heads` is the number of attention heads of a SuperGlue.
+/// stands before a network's names inside a program ("module.", "net.", "superpoint.", anything) is
+/// taken off first. `heads` is the number of attention heads of a SuperGlue.
 ///
 /// Returns a SuperPoint, a SuperGlue, or both, in this order. What no dialect knows stays as it is,
 /// for the architecture's check to name. Throws Error where there is no network at all.
