@@ -88,10 +88,15 @@ INSTANTIATE_TEST_SUITE_P(
                        "hugging-face"},
         SuperPointCase{"superpoint_batch_norm.pth.tar", "golden_superpoint_batch_norm",
                        "pytorch-superpoint"},
+        SuperPointCase{"superpoint_folded.onnx", "golden_superpoint_batch_norm", "magic-leap"},
+        SuperPointCase{"superpoint_folded_dynamo.onnx", "golden_superpoint_batch_norm",
+                       "pytorch-superpoint"},
+        SuperPointCase{"superpoint_int8.onnx", "golden_superpoint_int8", "magic-leap"},
+        SuperPointCase{"superpoint_rpautrat.onnx", "golden_superpoint_rpautrat", "rpautrat", 10},
         SuperPointCase{"superpoint_rpautrat.pth", "golden_superpoint_rpautrat", "rpautrat", 10}),
     [](const auto& c) {
-      std::string name = c.param.dialect;
-      name.erase(std::remove(name.begin(), name.end(), '-'), name.end());
+      std::string name = c.param.file;
+      std::replace(name.begin(), name.end(), '.', '_');
       return name;
     });
 
@@ -132,6 +137,16 @@ TEST(GoldenSuperGlue, HuggingFacesNamesAndHeadOrder) {
   ASSERT_EQ(weights.tensors.size(), published.tensors.size());
   for (const auto& [name, tensor] : published.tensors) {
     EXPECT_EQ(weights.Get(name, tensor.shape()).Matrix(), tensor.Matrix()) << name;
+  }
+}
+
+TEST(GoldenSuperGlue, ExportsToOnnxWithNamesOrWithout) {
+  for (const char* file :
+       {"superglue_folded.onnx", "superglue_dynamo.onnx", "superglue_hugging_face.onnx"}) {
+    SCOPED_TRACE(file);
+    const Weights weights = ConvertOne(file);
+    EXPECT_EQ(weights.metadata.at("source_form"), "onnx");
+    ExpectGoldenSuperGlue(weights);
   }
 }
 

@@ -186,8 +186,9 @@ def log_assignment(scores, dustbin, iterations=100):
         ],
         0,
     )
-    log_mu = torch.tensor([1.0] * n0 + [float(n1)], dtype=z.dtype).log()
-    log_nu = torch.tensor([1.0] * n1 + [float(n0)], dtype=z.dtype).log()
+    ones = torch.ones_like
+    log_mu = torch.cat([ones(z[:-1, 0]), ones(z[0, :-1]).sum()[None]]).log()
+    log_nu = torch.cat([ones(z[0, :-1]), ones(z[:-1, 0]).sum()[None]]).log()
     v = torch.zeros_like(log_nu)
     for _ in range(iterations):
         u = log_mu - torch.logsumexp(z + v[None], 1)

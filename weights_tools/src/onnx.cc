@@ -8,6 +8,7 @@
 #include "onnx_model.h"
 #include "onnx_modules.h"
 #include "onnx_order.h"
+#include "reshape.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -55,11 +56,41 @@ std::optional<double> EpsilonOf(const std::vector<OnnxLinear>& linears) {
   return epsilon;
 }
 
-void PutDustbin(const OnnxModel& model, nn::Weights& weights) {
-  for (const auto& [name, tensor] : model.tensors) {
-    if (name == "bin_score" || name.ends_with(".bin_score")) {
-      weights.tensors.insert_or_assign(name, OnnxValues(tensor));
+// How often a value borders a matrix: in a Concat, itself or spread by an Expand.
+int BordersMade(const OnnxConstants& constants, const std::string& name) {
+  int count = 0;
+  for (const OnnxNode* node : constants.ConsumersOf(name)) {
+    if (node->op == "Concat") {
+      ++count;
+    } else if (node->op == "Expand" && node->inputs[0] == name && !node->outputs.empty()) {
+      const std::vector<const OnnxNode*> next = constants.ConsumersOf(node->outputs[0]);
+      count += static_cast<int>(std::count_if(next.begin(), next.end(),
+                                              [](const OnnxNode* n) { return n->op == "Concat"; }));
     }
+  }
+  return count;
+}
+
+// By its name, or, where the export lost it, by its use: it is put beside the scores, below them,
+// and in the corner.
+void PutDustbin(const OnnxModel& model, const OnnxConstants& constants, nn::Weights& weights) {
+  constexpr const char* kName = "bin_score";
+  constexpr uint64_t kFloat = 1;
+  constexpr int kBorders = 3;
+  std::vector<const OnnxTensor*> candidates;
+  for (const auto& [name, tensor] : model.tensors) {
+    if (name == kName || name.ends_with(std::string(".") + kName)) {
+      weights.tensors.insert_or_assign(name, OnnxValues(tensor));
+      return;
+    }
+    const bool one_value = std::all_of(tensor.dims.begin(), tensor.dims.end(),
+                                       [](uint64_t extent) { return extent == 1; });
+    if (one_value && tensor.type == kFloat && BordersMade(constants, name) == kBorders) {
+      candidates.push_back(&tensor);
+    }
+  }
+  if (candidates.size() == 1) {
+    weights.tensors.insert_or_assign(kName, Reshaped(OnnxValues(*candidates[0]), nn::Shape{}));
   }
 }
 
@@ -80,7 +111,7 @@ void ParseOnnx(const nn::Bytes& file, Container& container) {
                      "SuperGlue's");
   }
   container.batch_norm_epsilon = EpsilonOf(linears);
-  PutDustbin(model, weights);
+  PutDustbin(model, constants, weights);
 }
 
 }  // namespace gluevo::weights_tools
