@@ -49,6 +49,9 @@ HWY_INLINE void ConvolveRow(const Conv3x3& p, int64_t y, int64_t x_begin, int64_
     if (p.relu) {
       Relu(tile);
     }
+    if (p.scale != nullptr) {
+      ScaleAndShift(tile, p.scale + channel, p.shift + channel);
+    }
     float* const to = out + (x - x_begin) * out_pixel_stride;
     HWY_UNROLL(16)
     for (int r = 0; r < kRows; ++r) {
@@ -73,7 +76,8 @@ HWY_INLINE void ConvolveRow(const Conv3x3& p, int64_t y, int64_t x_begin, int64_
   }
 }
 
-// Output rows of one segment of pixels (before pooling) and `kVectors` vectors of channels.
+// One row of one segment of pixels, or two that are pooled to one, and `kVectors` vectors of
+// channels.
 template <int kInBlock, int kVectors>
 HWY_NOINLINE void ConvolveSegment(const Conv3x3& p, int64_t y, int64_t x_begin, int64_t x_end,
                                   int64_t channel) {
@@ -89,10 +93,10 @@ HWY_NOINLINE void ConvolveSegment(const Conv3x3& p, int64_t y, int64_t x_begin, 
   constexpr int64_t kPixel = kVectors * kLanes;
   alignas(64) float rows[2][kSegment * kPixel];
   for (int64_t i = 0; i < 2; ++i) {
-    ConvolveRow<kInBlock, kVectors>(p, 2 * y + i, x_begin, x_end, channel, rows[i], kPixel, kBlock);
+    ConvolveRow<kInBlock, kVectors>(p, y + i, x_begin, x_end, channel, rows[i], kPixel, kBlock);
   }
   for (int64_t x = 0; x + 1 < x_end - x_begin; x += 2) {
-    float* const to = p.out.pixel(out_block, y, (x_begin + x) / 2) + channel % kBlock;
+    float* const to = p.out.pixel(out_block, y / 2, (x_begin + x) / 2) + channel % kBlock;
     for (int v = 0; v < kVectors; ++v) {
       const int64_t at = x * kPixel + v * kLanes;
       const Vector top = hn::Max(hn::Load(d, rows[0] + at), hn::Load(d, rows[0] + at + kPixel));
@@ -104,15 +108,17 @@ HWY_NOINLINE void ConvolveSegment(const Conv3x3& p, int64_t y, int64_t x_begin, 
 
 template <int kInBlock>
 HWY_INLINE void ConvolveRows(const Conv3x3& p) {
-  const int64_t width = p.pool ? p.in.width / 2 * 2 : p.in.width;
+  const int64_t step = p.pool ? 2 : 1;
+  const int64_t width = (p.column_end - p.column_begin) / step * step;
   const int64_t channels = p.out.blocks * kBlock;
   const int64_t segments = (width + kSegment - 1) / kSegment;
   for (int64_t segment = 0; segment < segments; ++segment) {
     // Of even length, so that pooling pairs stay together.
-    const int64_t x_begin = width * segment / segments / 2 * 2;
+    const int64_t x_begin = p.column_begin + width * segment / segments / 2 * 2;
     const int64_t x_end =
-        segment + 1 == segments ? width : width * (segment + 1) / segments / 2 * 2;
-    for (int64_t y = p.row_begin; y < p.row_end; ++y) {
+        p.column_begin +
+        (segment + 1 == segments ? width : width * (segment + 1) / segments / 2 * 2);
+    for (int64_t y = p.row_begin; y + step <= p.row_end; y += step) {
       int64_t channel = 0;
       for (; channel + kTileVectors * kLanes <= channels; channel += kTileVectors * kLanes) {
         ConvolveSegment<kInBlock, kTileVectors>(p, y, x_begin, x_end, channel);

@@ -41,22 +41,31 @@ struct BlockedMap {
 /// Zeros on the halo. Kernels never write it.
 void ClearHalo(const BlockedMap& map);
 
-/// out = pool(relu(conv3x3(in) + bias)), zero padding of one pixel, stride 1.
+/// out = pool(relu(conv3x3(in) + bias) * scale + shift), zero padding of one pixel, stride 1.
 struct Conv3x3 {
   /// A BlockedMap; where `gray`, a plane of single floats with the same halo: [height+2][width+2].
   BlockedMap in;
   bool gray = false;
-  /// Packed by PackConv3x3.
+  /// Packed by PackConv3x3, for Kernels::winograd3x3 by PackWinograd3x3.
   const float* weights = nullptr;
   const float* bias = nullptr;  ///< [out.blocks * kBlock], zeros in the padding.
   bool relu = false;
-  /// 2x2 max-pooling after the activation; an odd last row or column is dropped.
+  /// A batch normalisation that follows the activation: both [out.blocks * kBlock], or both null.
+  const float* scale = nullptr;
+  const float* shift = nullptr;
+  /// 2x2 max-pooling at the end; an odd last row or column is dropped.
   bool pool = false;
   /// height and width of `in`, or half of them with `pool`; no other map than `in`.
   BlockedMap out;
-  /// The output rows to compute: [row_begin, row_end).
+  /// What to compute, in pixels before pooling: [row_begin, row_end) x [column_begin, column_end).
+  /// With `pool` the begins are even.
   int64_t row_begin = 0;
   int64_t row_end = 0;
+  int64_t column_begin = 0;
+  int64_t column_end = 0;
+  /// Kernels::winograd3x3: WinogradScratchFloats(channels of in) floats, aligned, of this thread
+  /// only.
+  float* scratch = nullptr;
 };
 
 /// Floats that PackConv3x3 writes.
@@ -149,7 +158,10 @@ struct SinkhornRows {
 /// The kernels of one instruction set.
 struct Kernels {
   Isa isa = Isa::kReference;
+  /// Direct convolution: every shape, and the check of the other.
   void (*conv3x3)(const Conv3x3&) = nullptr;
+  /// The same by Winograd's F(4x4, 3x3), for maps that are not `gray`; null where there is none.
+  void (*winograd3x3)(const Conv3x3&) = nullptr;
   void (*matmul)(const MatMul&) = nullptr;
   void (*attention)(const Attention&) = nullptr;
   void (*detector_softmax)(const DetectorSoftmax&) = nullptr;

@@ -24,25 +24,29 @@ float ConvolveAt(const Conv3x3& p, int64_t out_block, int64_t out_channel, int64
       }
     }
   }
-  const auto value = static_cast<float>(sum);
-  return p.relu ? std::max(value, 0.0F) : value;
+  if (p.relu) {
+    sum = std::max(sum, 0.0);
+  }
+  if (p.scale != nullptr) {
+    const int64_t channel = out_block * kBlock + out_channel;
+    sum = sum * p.scale[channel] + p.shift[channel];
+  }
+  return static_cast<float>(sum);
 }
 
 void ReferenceConv3x3(const Conv3x3& p) {
+  const int64_t step = p.pool ? 2 : 1;
   for (int64_t block = 0; block < p.out.blocks; ++block) {
-    for (int64_t y = p.row_begin; y < p.row_end; ++y) {
-      for (int64_t x = 0; x < p.out.width; ++x) {
+    for (int64_t y = p.row_begin; y + step <= p.row_end; y += step) {
+      for (int64_t x = p.column_begin; x + step <= p.column_end; x += step) {
         for (int64_t c = 0; c < kBlock; ++c) {
-          float value = 0.0F;
+          float value = ConvolveAt(p, block, c, y, x);
           if (p.pool) {
-            value = std::max(std::max(ConvolveAt(p, block, c, 2 * y, 2 * x),
-                                      ConvolveAt(p, block, c, 2 * y, 2 * x + 1)),
-                             std::max(ConvolveAt(p, block, c, 2 * y + 1, 2 * x),
-                                      ConvolveAt(p, block, c, 2 * y + 1, 2 * x + 1)));
-          } else {
-            value = ConvolveAt(p, block, c, y, x);
+            value = std::max({value, ConvolveAt(p, block, c, y, x + 1),
+                              ConvolveAt(p, block, c, y + 1, x),
+                              ConvolveAt(p, block, c, y + 1, x + 1)});
           }
-          p.out.pixel(block, y, x)[c] = value;
+          p.out.pixel(block, y / step, x / step)[c] = value;
         }
       }
     }

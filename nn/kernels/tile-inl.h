@@ -107,6 +107,20 @@ HWY_INLINE void Relu(Tile<kRows, kVectors>& tile) {
   }
 }
 
+template <int kRows, int kVectors>
+HWY_INLINE void ScaleAndShift(Tile<kRows, kVectors>& tile, const float* HWY_RESTRICT scale,
+                              const float* HWY_RESTRICT shift) {
+  const Tag d;
+  for (int v = 0; v < kVectors; ++v) {
+    const Vector factor = hn::Load(d, scale + v * kLanes);
+    const Vector offset = hn::Load(d, shift + v * kLanes);
+    HWY_UNROLL(16)
+    for (int r = 0; r < kRows; ++r) {
+      tile.v[r][v] = hn::MulAdd(tile.v[r][v], factor, offset);
+    }
+  }
+}
+
 // Calls f.template operator()<kRows>(row) for tiles of kTileRows rows, then of half as many, and so
 // on, until [begin, end) is covered once.
 template <int kRows = kTileRows, typename F>
@@ -116,6 +130,27 @@ HWY_INLINE void ForRowTiles(int64_t begin, int64_t end, const F& f) {
   }
   if constexpr (kRows > 1) {
     ForRowTiles<kRows / 2>(begin, end, f);
+  }
+}
+
+template <int kMost, typename F>
+HWY_INLINE void CallWithRows(int64_t rows, int64_t begin, const F& f) {
+  if (rows == kMost) {
+    f.template operator()<kMost>(begin);
+  } else if constexpr (kMost > 1) {
+    CallWithRows<kMost - 1>(rows, begin, f);
+  }
+}
+
+// Calls f.template operator()<rows>(row) for the fewest tiles that cover [begin, end), all of about
+// the same height: a tile of a few rows waits for its multiply-adds.
+template <typename F>
+HWY_INLINE void ForBalancedTiles(int64_t begin, int64_t end, const F& f) {
+  const int64_t count = end - begin;
+  const int64_t parts = (count + kTileRows - 1) / kTileRows;
+  for (int64_t part = 0; part < parts; ++part) {
+    const int64_t first = count * part / parts;
+    CallWithRows<kTileRows>(count * (part + 1) / parts - first, begin + first, f);
   }
 }
 

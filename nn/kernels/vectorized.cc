@@ -12,6 +12,7 @@
 #include "kernels/matmul-inl.h"
 #include "kernels/softmax-inl.h"
 #include "kernels/tile-inl.h"
+#include "kernels/winograd-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace gluevo::nn::kernels::HWY_NAMESPACE {
@@ -60,6 +61,7 @@ const Kernels& Table() {
   static constexpr Kernels kKernels = {
       .isa = kIsa,
       .conv3x3 = FastConv3x3,
+      .winograd3x3 = FastWinogradConv3x3,
       .matmul = FastMatMul,
       .attention = FastAttention,
       .detector_softmax = FastDetectorSoftmax,

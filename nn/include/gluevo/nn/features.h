@@ -9,12 +9,13 @@ namespace gluevo::nn {
 /// keypoint i.
 struct Features {
   using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  using Points = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
   /// Size of the image in pixels.
   int width = 0;
   int height = 0;
   /// N x 2: x (right) and y (down) in pixels, the centre of the top-left pixel being (0, 0).
-  Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor> keypoints;
+  Points keypoints;
   /// N: SuperPoint's confidence, 0 to 1.
   Eigen::VectorXf scores;
   /// N x D, each row of unit length.

@@ -14,8 +14,9 @@
 namespace gluevo::nn {
 
 namespace kernels {
+struct BlockedMap;
 struct Kernels;
-}
+}  // namespace kernels
 
 /// A gray image that somebody else owns, 8 bits a pixel.
 struct GrayImage {
@@ -44,7 +45,9 @@ struct SuperPointOptions {
 
 /// SuperPoint (DeTone, Malisiewicz and Rabinovich 2018): keypoints and descriptors of an image. The
 /// widths of all layers are those of the weights; sides of an image that are no multiple of 8 lose
-/// their last rows or columns to the pooling, as in the published code.
+/// their last rows or columns to the pooling, as in the published code. A layer may have a batch
+/// normalisation after its activation: tensors `conv1a.scale` and `conv1a.shift` and so on, one
+/// value for each output channel.
 class SuperPoint {
  public:
   /// Both views live in the workspace until its next use.
@@ -55,6 +58,9 @@ class SuperPoint {
 
   /// Throws Error naming the file and the tensor for weights that are not a SuperPoint's.
   explicit SuperPoint(const Weights& weights, Isa isa = ChooseIsa());
+  SuperPoint(SuperPoint&&) noexcept;
+  SuperPoint& operator=(SuperPoint&&) noexcept;
+  ~SuperPoint();
 
   /// D, 256 in all published forms.
   int descriptor_size() const { return descriptor_size_; }
@@ -73,20 +79,23 @@ class SuperPoint {
   void Describe(const GrayImage& image, Workspace& workspace, Features& features) const;
 
  private:
-  struct Convolution {
-    int64_t in_channels = 0;
-    int64_t out_channels = 0;
-    Tensor<float> weights;  // Packed by kernels::PackConv3x3 or PackMatrix.
-    Tensor<float> bias;     // Padded to whole blocks.
-  };
-  static constexpr int kTrunkLayers = 8;
+  struct Convolution;
+  struct Buffers;
 
-  static Convolution Load(const Weights& weights, const char* name, int64_t kernel_size,
-                          int64_t in_channels);
+  kernels::BlockedMap Trunk(const GrayImage& image, Workspace& workspace, Buffers& buffers) const;
+  kernels::BlockedMap FirstLayers(const GrayImage& image, Workspace& workspace,
+                                  const Buffers& buffers) const;
+  void Convolve(const Convolution& layer, const kernels::BlockedMap& in,
+                const kernels::BlockedMap& out, Workspace& workspace, const Buffers& buffers) const;
+  // [8 h x 8 w]
+  TensorView<float> Scores(const kernels::BlockedMap& trunk, Workspace& workspace,
+                           const Buffers& buffers) const;
+  void DescribeAt(const kernels::BlockedMap& trunk, Workspace& workspace, const Buffers& buffers,
+                  Features& features) const;
 
   const kernels::Kernels* kernels_;
   std::vector<Convolution> trunk_;  // 1a to 4b
-  Convolution detector_a_, detector_b_, descriptor_a_, descriptor_b_;
+  std::vector<Convolution> heads_;  // Pa, Pb, Da, Db
   int descriptor_size_ = 0;
 };
 
@@ -100,8 +109,7 @@ void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& op
 /// Descriptors [N x D] at keypoints [N x 2] by bilinear interpolation of the dense map [h x w x D]
 /// and normalisation to unit length: the published sampling, which puts keypoint k of an image at
 /// ((k - 3.5) / (8 s - 4.5)) (s - 1) of a map with side s.
-void SampleDescriptors(TensorView<const float> map,
-                       const Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>& keypoints,
+void SampleDescriptors(TensorView<const float> map, const Features::Points& keypoints,
                        Features::RowMajor& descriptors);
 
 }  // namespace gluevo::nn

@@ -1,0 +1,314 @@
+// 3x3 convolution by Winograd's minimal filtering F(4x4, 3x3) (Lavin and Gray 2016): each 6x6 patch
+// of the input becomes 36 values, in each of which the convolution is a product, and 4x4 outputs
+// come back. The points are 0, +-1/sqrt(2), +-sqrt(2) and infinity, whose rounding errors are half
+// those of the usual integer points (Barabasz et al. 2020).
+
+#if defined(GLUEVO_NN_KERNELS_WINOGRAD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef GLUEVO_NN_KERNELS_WINOGRAD_INL_H_
+#undef GLUEVO_NN_KERNELS_WINOGRAD_INL_H_
+#else
+#define GLUEVO_NN_KERNELS_WINOGRAD_INL_H_
+#endif
+
+#include <algorithm>
+
+#include "kernels/tile-inl.h"
+#include "kernels/winograd.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace gluevo::nn::kernels::HWY_NAMESPACE {
+
+// Tiles of the map that are transformed, multiplied and transformed back together.
+struct TileBlock {
+  int64_t y = 0;  // First pixel.
+  int64_t x = 0;
+  int64_t rows = 0;  // Tiles.
+  int64_t columns = 0;
+
+  int64_t tiles() const { return rows * columns; }
+};
+
+// Floats from one of the 36 values to the next. An odd number of cache lines: the 36 lines that a
+// tile writes or reads then lie in different sets of the first-level cache.
+HWY_INLINE int64_t FrequencyStride(int64_t floats) { return ((floats + 15) / 16 | 1) * 16; }
+
+// B^T d, rows in order of the points 0, a, -a, b, -b, infinity with a = 1/sqrt(2), b = sqrt(2).
+HWY_INLINE void TransformInput(Vector d0, Vector d1, Vector d2, Vector d3, Vector d4, Vector d5,
+                               Vector* HWY_RESTRICT out) {
+  const Tag d;
+  const Vector two = hn::Set(d, 2.0F);
+  const Vector half = hn::Set(d, 0.5F);
+  const Vector a = hn::Set(d, kWinogradPoint);
+  const Vector b = hn::Set(d, 2.0F * kWinogradPoint);
+  const Vector five_halves = hn::Set(d, 2.5F);
+  const Vector even_a = hn::NegMulAdd(two, d2, d4);
+  const Vector odd_a = hn::NegMulAdd(two, d1, d3);
+  const Vector even_b = hn::NegMulAdd(half, d2, d4);
+  const Vector odd_b = hn::NegMulAdd(half, d1, d3);
+  out[0] = hn::NegMulAdd(five_halves, d2, hn::Add(d0, d4));
+  out[1] = hn::MulAdd(a, odd_a, even_a);
+  out[2] = hn::NegMulAdd(a, odd_a, even_a);
+  out[3] = hn::MulAdd(b, odd_b, even_b);
+  out[4] = hn::NegMulAdd(b, odd_b, even_b);
+  out[5] = hn::NegMulAdd(five_halves, d3, hn::Add(d1, d5));
+}
+
+// A^T m: output i is the sum over points p of p^i m_p, and for the last one m_infinity.
+HWY_INLINE void TransformOutput(Vector m0, Vector m1, Vector m2, Vector m3, Vector m4, Vector m5,
+                                Vector* HWY_RESTRICT out) {
+  const Tag d;
+  const Vector two = hn::Set(d, 2.0F);
+  const Vector half = hn::Set(d, 0.5F);
+  const Vector a = hn::Set(d, kWinogradPoint);
+  const Vector sum_a = hn::Add(m1, m2);
+  const Vector sum_b = hn::Add(m3, m4);
+  const Vector odd_a = hn::Sub(m1, m2);
+  const Vector odd_b = hn::Sub(m3, m4);
+  // b = 2 a, a^3 = a / 2, b^3 = 4 a.
+  out[0] = hn::Add(m0, hn::Add(sum_a, sum_b));
+  out[1] = hn::Mul(a, hn::MulAdd(two, odd_b, odd_a));
+  out[2] = hn::MulAdd(two, sum_b, hn::Mul(half, sum_a));
+  out[3] = hn::MulAdd(a, hn::MulAdd(hn::Set(d, 4.0F), odd_b, hn::Mul(half, odd_a)), m5);
+}
+
+// A row of tiles and one vector of channels: from pixels at `in` (of the patch's top-left corner,
+// one pixel above and left of the outputs) to their 36 values at v.
+HWY_NOINLINE void TransformTileRow(const float* HWY_RESTRICT in, int64_t row_stride, int64_t tiles,
+                                   float* HWY_RESTRICT v, int64_t v_stride) {
+  const Tag d;
+  // Few enough that what passes between the two passes stays close.
+  constexpr int64_t kTilesAtOnce = 7;
+  constexpr int64_t kColumns = 4 * kTilesAtOnce + 2;
+  alignas(64) float vertical[6][kColumns * kLanes];
+  for (int64_t first = 0; first < tiles; first += kTilesAtOnce) {
+    const int64_t count = std::min(kTilesAtOnce, tiles - first);
+    for (int64_t x = 0; x < 4 * count + 2; ++x) {
+      const float* const column = in + (4 * first + x) * kBlock;
+      Vector out[6];
+      TransformInput(hn::Load(d, column), hn::Load(d, column + row_stride),
+                     hn::Load(d, column + 2 * row_stride), hn::Load(d, column + 3 * row_stride),
+                     hn::Load(d, column + 4 * row_stride), hn::Load(d, column + 5 * row_stride),
+                     out);
+      HWY_UNROLL(6)
+      for (int i = 0; i < 6; ++i) {
+        hn::Store(out[i], d, vertical[i] + x * kLanes);
+      }
+    }
+    for (int64_t i = 0; i < 6; ++i) {
+      for (int64_t t = 0; t < count; ++t) {
+        const float* const row = vertical[i] + 4 * t * kLanes;
+        Vector out[6];
+        TransformInput(hn::Load(d, row), hn::Load(d, row + kLanes), hn::Load(d, row + 2 * kLanes),
+                       hn::Load(d, row + 3 * kLanes), hn::Load(d, row + 4 * kLanes),
+                       hn::Load(d, row + 5 * kLanes), out);
+        float* const to = v + 6 * i * v_stride + (first + t) * kBlock;
+        HWY_UNROLL(6)
+        for (int j = 0; j < 6; ++j) {
+          hn::Store(out[j], d, to + j * v_stride);
+        }
+      }
+    }
+  }
+}
+
+// The block's part of the input with its surroundings, zeros where that leaves the map: what
+// transforms read where the last tiles reach over the map's halo.
+HWY_NOINLINE void CopyPatch(const BlockedMap& in, int64_t channel_block, const TileBlock& block,
+                            float* HWY_RESTRICT patch) {
+  const int64_t height = 4 * block.rows + 2;
+  const int64_t width = 4 * block.columns + 2;
+  const int64_t rows = std::min(height, in.height + 2 - block.y);
+  const int64_t columns = std::min(width, in.width + 2 - block.x);
+  for (int64_t y = 0; y < height; ++y) {
+    float* const to = patch + y * width * kBlock;
+    const int64_t copied = y < rows ? columns * kBlock : 0;
+    if (copied > 0) {
+      std::copy_n(in.pixel(channel_block, block.y + y - 1, block.x - 1), copied, to);
+    }
+    std::fill(to + copied, to + width * kBlock, 0.0F);
+  }
+}
+
+// v[value][channel block][tile][channel of the block].
+HWY_NOINLINE void TransformBlock(const Conv3x3& p, const TileBlock& block, float* HWY_RESTRICT v,
+                                 float* HWY_RESTRICT patch) {
+  const int64_t tiles = block.tiles();
+  const int64_t v_stride = FrequencyStride(p.in.blocks * tiles * kBlock);
+  const bool inside =
+      block.y + 4 * block.rows <= p.in.height && block.x + 4 * block.columns <= p.in.width;
+  for (int64_t channels = 0; channels < p.in.blocks; ++channels) {
+    const float* in = p.in.pixel(channels, block.y - 1, block.x - 1);
+    int64_t row_stride = p.in.row_stride();
+    if (!inside) {
+      CopyPatch(p.in, channels, block, patch);
+      in = patch;
+      row_stride = (4 * block.columns + 2) * kBlock;
+    }
+    for (int64_t row = 0; row < block.rows; ++row) {
+      float* const to = v + (channels * tiles + row * block.columns) * kBlock;
+      for (int lane = 0; lane < kBlock; lane += kLanes) {
+        TransformTileRow(in + 4 * row * row_stride + lane, row_stride, block.columns, to + lane,
+                         v_stride);
+      }
+    }
+  }
+}
+
+// m[value][tile][kVectors * kLanes] = the product of v and the weights of output channels that
+// start at `channel`.
+template <int kVectors>
+HWY_NOINLINE void MultiplyBlock(const Conv3x3& p, const float* HWY_RESTRICT v, int64_t tiles,
+                                int64_t channel, float* HWY_RESTRICT m) {
+  const Tag d;
+  constexpr int64_t kWidth = kVectors * kLanes;
+  const int64_t v_stride = FrequencyStride(p.in.blocks * tiles * kBlock);
+  const int64_t m_stride = FrequencyStride(tiles * kWidth);
+  const int64_t value_stride = p.in.blocks * kBlock * kBlock;
+  const int64_t weights_stride = 36 * value_stride;
+  const float* weights = p.weights + channel / kBlock * weights_stride + channel % kBlock;
+  for (int64_t value = 0; value < 36; ++value) {
+    ForBalancedTiles(0, tiles, [&]<int kRows>(int64_t tile_index) HWY_ATTR {
+      Tile<kRows, kVectors> tile;
+      InitTile(tile, nullptr);
+      const float* HWY_RESTRICT a = v + tile_index * kBlock;
+      const float* HWY_RESTRICT w = weights;
+      for (int64_t block = 0; block < p.in.blocks; ++block, a += tiles * kBlock) {
+        for (int c = 0; c < kBlock; ++c, w += kBlock) {
+          AccumulateStep(tile, a + c, kBlock, w, weights_stride);
+        }
+      }
+      float* const to = m + tile_index * kWidth;
+      HWY_UNROLL(16)
+      for (int r = 0; r < kRows; ++r) {
+        HWY_UNROLL(16)
+        for (int i = 0; i < kVectors; ++i) {
+          hn::Store(tile.v[r][i], d, to + r * kWidth + i * kLanes);
+        }
+      }
+    });
+    v += v_stride;
+    m += m_stride;
+    weights += value_stride;
+  }
+}
+
+// The 4x4 outputs of one tile and vector of channels, activation included.
+HWY_INLINE void TransformTileBack(const Conv3x3& p, const float* HWY_RESTRICT m, int64_t m_stride,
+                                  int64_t channel, Vector (&out)[4][4]) {
+  const Tag d;
+  alignas(64) float vertical[4][6 * kLanes];
+  for (int64_t j = 0; j < 6; ++j) {
+    const float* const column = m + j * m_stride;
+    const int64_t stride = 6 * m_stride;
+    Vector values[4];
+    TransformOutput(hn::Load(d, column), hn::Load(d, column + stride),
+                    hn::Load(d, column + 2 * stride), hn::Load(d, column + 3 * stride),
+                    hn::Load(d, column + 4 * stride), hn::Load(d, column + 5 * stride), values);
+    HWY_UNROLL(4)
+    for (int i = 0; i < 4; ++i) {
+      hn::Store(values[i], d, vertical[i] + j * kLanes);
+    }
+  }
+  const Vector bias = hn::Load(d, p.bias + channel);
+  const Vector least = hn::Set(d, p.relu ? 0.0F : hwy::LowestValue<float>());
+  HWY_UNROLL(4)
+  for (int i = 0; i < 4; ++i) {
+    const float* const row = vertical[i];
+    TransformOutput(hn::Load(d, row), hn::Load(d, row + kLanes), hn::Load(d, row + 2 * kLanes),
+                    hn::Load(d, row + 3 * kLanes), hn::Load(d, row + 4 * kLanes),
+                    hn::Load(d, row + 5 * kLanes), out[i]);
+    HWY_UNROLL(4)
+    for (int j = 0; j < 4; ++j) {
+      out[i][j] = hn::Max(hn::Add(out[i][j], bias), least);
+    }
+  }
+  if (p.scale != nullptr) {
+    const Vector scale = hn::Load(d, p.scale + channel);
+    const Vector shift = hn::Load(d, p.shift + channel);
+    for (int i = 0; i < 4; ++i) {
+      for (int j = 0; j < 4; ++j) {
+        out[i][j] = hn::MulAdd(out[i][j], scale, shift);
+      }
+    }
+  }
+}
+
+// Transforms the products of output channels [channel, channel + kVectors * kLanes) back into the
+// output map.
+template <int kVectors>
+HWY_NOINLINE void TransformBlockBack(const Conv3x3& p, const TileBlock& block, int64_t channel,
+                                     const float* HWY_RESTRICT m) {
+  const Tag d;
+  const int64_t m_stride = FrequencyStride(block.tiles() * kVectors * kLanes);
+  // Of the outputs after pooling.
+  const int64_t step = p.pool ? 2 : 4;
+  const int64_t row_end = p.pool ? p.row_end / 2 : p.row_end;
+  const int64_t column_end = p.pool ? p.column_end / 2 : p.column_end;
+  for (int64_t tile_y = 0; tile_y < block.rows; ++tile_y) {
+    const int64_t y = (p.pool ? block.y / 2 : block.y) + tile_y * step;
+    const int64_t rows = std::min(step, row_end - y);
+    for (int64_t tile_x = 0; tile_x < block.columns; ++tile_x) {
+      const int64_t x = (p.pool ? block.x / 2 : block.x) + tile_x * step;
+      const int64_t columns = std::min(step, column_end - x);
+      for (int i = 0; i < kVectors; ++i) {
+        const int64_t c = channel + i * kLanes;
+        Vector out[4][4];
+        TransformTileBack(p, m + i * kLanes, m_stride, c, out);
+        if (p.pool) {
+          HWY_UNROLL(2)
+          for (int r = 0; r < 2; ++r) {
+            HWY_UNROLL(2)
+            for (int s = 0; s < 2; ++s) {
+              out[r][s] = hn::Max(hn::Max(out[2 * r][2 * s], out[2 * r][2 * s + 1]),
+                                  hn::Max(out[2 * r + 1][2 * s], out[2 * r + 1][2 * s + 1]));
+            }
+          }
+        }
+        float* to = p.out.pixel(c / kBlock, y, x) + c % kBlock;
+        HWY_UNROLL(4)
+        for (int r = 0; r < 4; ++r, to += p.out.row_stride()) {
+          HWY_UNROLL(4)
+          for (int s = 0; s < 4; ++s) {
+            if (r < rows && s < columns) {
+              hn::Store(out[r][s], d, to + s * kBlock);
+            }
+          }
+        }
+      }
+      m += kVectors * kLanes;
+    }
+  }
+}
+
+void FastWinogradConv3x3(const Conv3x3& p) {
+  const int64_t channels = p.out.blocks * kBlock;
+  const int64_t tile_rows = (p.row_end - p.row_begin + 3) / 4;
+  const int64_t tile_columns = (p.column_end - p.column_begin + 3) / 4;
+  const int64_t parts = (tile_columns + kWinogradColumns - 1) / kWinogradColumns;
+  float* const v = p.scratch;
+  float* const m = v + 36 * FrequencyStride(p.in.blocks * kWinogradTiles * kBlock);
+  float* const patch = m + 36 * FrequencyStride(kWinogradTiles * kTileVectors * kLanes);
+  for (int64_t row = 0; row < tile_rows; row += kWinogradRows) {
+    for (int64_t part = 0; part < parts; ++part) {
+      const int64_t column = tile_columns * part / parts;
+      const TileBlock block = {p.row_begin + 4 * row, p.column_begin + 4 * column,
+                               std::min(kWinogradRows, tile_rows - row),
+                               tile_columns * (part + 1) / parts - column};
+      TransformBlock(p, block, v, patch);
+      int64_t channel = 0;
+      for (; channel + kTileVectors * kLanes <= channels; channel += kTileVectors * kLanes) {
+        MultiplyBlock<kTileVectors>(p, v, block.tiles(), channel, m);
+        TransformBlockBack<kTileVectors>(p, block, channel, m);
+      }
+      for (; channel < channels; channel += kLanes) {
+        MultiplyBlock<1>(p, v, block.tiles(), channel, m);
+        TransformBlockBack<1>(p, block, channel, m);
+      }
+    }
+  }
+}
+
+}  // namespace gluevo::nn::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

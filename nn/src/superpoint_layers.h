@@ -1,0 +1,57 @@
+#pragma once
+
+#include <algorithm>
+#include <string>
+
+#include "gluevo/nn/superpoint.h"
+#include "kernels/kernels.h"
+
+namespace gluevo::nn {
+
+/// A convolution of SuperPoint with what follows it.
+struct SuperPoint::Convolution {
+  /// Reads NAME.weight [out][in_channels][size][size], NAME.bias and, where they are there,
+  /// NAME.scale and NAME.shift; throws Error naming the file and the tensor.
+  Convolution(const Weights& file, const std::string& name, int64_t kernel_size,
+              int64_t in_channels_in, const kernels::Kernels& kernels);
+
+  int64_t in_channels = 0;
+  int64_t out_channels = 0;
+  bool pool = false;
+  /// The kernel of a 3x3 convolution, which decides how its weights are packed.
+  void (*kernel)(const kernels::Conv3x3&) = nullptr;
+  Tensor<float> weights;
+  Tensor<float> bias;  ///< This and the next two padded to whole blocks.
+  Tensor<float> scale;
+  Tensor<float> shift;
+};
+
+/// What the layers of one call share. The maps between 3x3 layers take turns in two buffers.
+struct SuperPoint::Buffers {
+  TensorView<float> maps;     ///< [2][floats of the largest map]
+  TensorView<float> scratch;  ///< Of each thread, for the kernels.
+
+  /// A map for the output of a layer that reads `in`: in the other buffer, with its halo cleared.
+  kernels::BlockedMap Output(const kernels::BlockedMap& in, int64_t channels, int64_t height,
+                             int64_t width) const;
+};
+
+/// Calls f(row_begin, row_end, column_begin, column_end, worker) for the regions of a map of
+/// height x width pixels that one call of a convolution kernel takes: whole tiles of 4x4 outputs,
+/// at most 8 x 56 pixels, whose intermediate values fit the second-level cache.
+template <typename F>
+void ForRegions(ThreadPool& pool, int64_t height, int64_t width, const F& f) {
+  constexpr int64_t kRows = 8;
+  constexpr int64_t kTileColumns = 14;
+  const int64_t tiles = (width + 3) / 4;
+  const int64_t parts = (tiles + kTileColumns - 1) / kTileColumns;
+  const int64_t bands = (height + kRows - 1) / kRows;
+  pool.ParallelFor(bands * parts, [&](int64_t task, int worker) {
+    const int64_t row = task / parts * kRows;
+    const int64_t part = task % parts;
+    f(row, std::min(row + kRows, height), tiles * part / parts * 4,
+      std::min(tiles * (part + 1) / parts * 4, width), worker);
+  });
+}
+
+}  // namespace gluevo::nn
