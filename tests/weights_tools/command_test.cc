@@ -19,6 +19,9 @@ class WeightsCommandTest : public apps::CommandTest {
     nn::WriteSafetensors(Path(name), weights);
     return Path(name);
   }
+  static std::string Data(const std::string& file) {
+    return std::string(GLUEVO_TEST_DATA_DIR) + "/weights/" + file;
+  }
   void ExpectRefused(const std::string& arguments, const std::string& phrase) const {
     const std::size_t files = Files();
     const Outcome outcome = Run(arguments);
@@ -103,6 +106,62 @@ TEST_F(WeightsCommandTest, RefusesWhatIsNoNetworkAndWritesNothing) {
   ExpectRefused("convert " + in + " -o " + Path("no/such/folder.safetensors"), "cannot be written");
 }
 
+TEST_F(WeightsCommandTest, RefusesWhatIsCutShortAndWritesNothing) {
+  const std::string whole = Contents(Data("superglue_magic_leap.pth"));
+  ExpectRefused("convert " + Write("cut.pth", whole.substr(0, whole.size() - 1)) + " -o " +
+                    Path("out.safetensors"),
+                "is cut short");
+}
+
+TEST_F(WeightsCommandTest, ConvertsAFileOfBothIntoAFolderOrTheOneThatIsAsked) {
+  const std::string both = Data("both_hugging_face.safetensors");
+  ExpectRefused("convert " + both + " -o " + Path("out.safetensors"),
+                "holds a SuperPoint and a SuperGlue: choose one by --network");
+  ASSERT_EQ(Run("convert " + both + " --network superglue -o " + Path("glue")).exit_code, 0);
+  ASSERT_EQ(Run("convert " + both + " -o " + Path("")).exit_code, 0);
+  EXPECT_EQ(Contents(Path("glue")), Contents(Path("superglue.safetensors")));
+  EXPECT_EQ(nn::ReadWeights(Path("superpoint.safetensors")).metadata.at("architecture"),
+            "superpoint");
+  EXPECT_EQ(Run("convert " + both + " --network other -o " + Path("x")).exit_code, 2);
+  ExpectRefused(
+      "convert " + Data("superpoint_magic_leap.pth") + " --network superglue -o " + Path("x"),
+      "holds no superglue");
+}
+
+TEST_F(WeightsCommandTest, OwnOutputIsTheSameAgainForEveryDialect) {
+  for (const char* file :
+       {"superpoint_rpautrat.pth", "superpoint_batch_norm.pth.tar",
+        "superpoint_hugging_face.safetensors", "superglue_folded.onnx", "superpoint_int8.onnx"}) {
+    const std::string a = Path(file) + ".a";
+    const std::string b = Path(file) + ".b";
+    ASSERT_EQ(Run("convert " + Data(file) + " -o " + a).exit_code, 0) << file;
+    ASSERT_EQ(Run("convert " + a + " -o " + b).exit_code, 0) << file;
+    EXPECT_EQ(Contents(a), Contents(b)) << file;
+  }
+}
+
+TEST_F(WeightsCommandTest, VerifyTellsTheSameNetworkFromAnother) {
+  const std::string hugging_face = Data("both_hugging_face.safetensors") + " --network superglue";
+  const Outcome same = Run("verify " + Data("superglue_magic_leap.pth") + " " + hugging_face);
+  EXPECT_EQ(same.exit_code, 0) << same.error << same.out;
+  EXPECT_NE(same.out.find("superglue   assignment   difference "), std::string::npos) << same.out;
+  EXPECT_NE(same.out.find("superglue   matches      difference 0"), std::string::npos) << same.out;
+
+  const std::string first = Save("first", SmallSuperPoint(1));
+  const std::string second = Save("second", SmallSuperPoint(2));
+  const Outcome other = Run("verify " + first + " " + second + " --json");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.error.find("is not the same network as"), std::string::npos) << other.error;
+  const Json json = Json::parse(other.out);
+  ASSERT_EQ(json.size(), 3U);
+  EXPECT_EQ(json[1].at("output"), "descriptors");
+  EXPECT_EQ(json[1].at("agrees"), false);
+  EXPECT_GT(json[1].at("difference"), 0.1);
+  EXPECT_EQ(Run("verify " + first + " " + first).exit_code, 0);
+
+  ExpectRefused("verify " + first + " " + Save("glue", SmallSuperGlue()), "holds no superpoint");
+}
+
 TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
   for (const char* arguments : {"", "convert", "convert x", "inspect", "colour x", "inspect x y"}) {
     const Outcome outcome = Run(arguments);
@@ -113,7 +172,7 @@ TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
 }
 
 TEST_F(WeightsCommandTest, HelpShowsAnExample) {
-  for (const char* arguments : {"--help", "convert --help", "inspect --help"}) {
+  for (const char* arguments : {"--help", "convert --help", "inspect --help", "verify --help"}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << arguments;
     EXPECT_NE(outcome.out.find("Example:\n  gluevo-weights "), std::string::npos) << outcome.out;

@@ -1,6 +1,7 @@
 // The command gluevo-weights.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +13,7 @@
 #include "gluevo/weights_tools/architecture.h"
 #include "gluevo/weights_tools/convert.h"
 #include "gluevo/weights_tools/inspect.h"
+#include "gluevo/weights_tools/verify.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -78,6 +80,13 @@ void AddConvert(CLI::App& app) {
   command->callback([arguments] { RunConvert(*arguments); });
 }
 
+struct VerifyArguments {
+  std::filesystem::path first;
+  std::filesystem::path second;
+  ConvertOptions options;
+  bool json = false;
+};
+
 void AddInspect(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("inspect", "Show what a weights file holds and where it comes from");
@@ -95,13 +104,47 @@ void AddInspect(CLI::App& app) {
   });
 }
 
+void RunVerify(const VerifyArguments& arguments) {
+  const std::vector<OutputComparison> comparisons =
+      Verify(arguments.first, arguments.second, arguments.options);
+  std::cout << (arguments.json ? VerificationJson(comparisons) : VerificationText(comparisons))
+            << std::flush;
+  if (!std::cout) {
+    throw Error("standard output: cannot be written");
+  }
+  if (!std::all_of(comparisons.begin(), comparisons.end(),
+                   [](const OutputComparison& comparison) { return comparison.agrees(); })) {
+    throw Error(arguments.second.string() + ": is not the same network as " +
+                arguments.first.string());
+  }
+}
+
+void AddVerify(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "verify", "Run the networks of two files on a built-in image and compare what they give");
+  const auto arguments = std::make_shared<VerifyArguments>();
+  command->add_option("A", arguments->first, "Weights of any form")->required();
+  command->add_option("B", arguments->second, "Weights of any form")->required();
+  command->add_flag("--json", arguments->json, "Print JSON instead of a table");
+  command->add_option("--heads", arguments->options.heads,
+                      "Attention heads of a SuperGlue, where the files do not tell (4)");
+  command
+      ->add_option("--network", arguments->options.network,
+                   "The one that is wanted of files that hold both: superpoint or superglue")
+      ->check(CLI::IsMember({"superpoint", "superglue"}));
+  command->footer("Example:\n  gluevo-weights verify superglue_outdoor.pth superglue.safetensors");
+  command->callback([arguments] { RunVerify(*arguments); });
+}
+
 int Run(int argc, char** argv) {
-  CLI::App app("Converts and inspects the weights of SuperPoint and SuperGlue", "gluevo-weights");
+  CLI::App app("Converts, inspects and compares the weights of SuperPoint and SuperGlue",
+               "gluevo-weights");
   app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo-weights inspect superpoint.safetensors");
   AddConvert(app);
   AddInspect(app);
+  AddVerify(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
