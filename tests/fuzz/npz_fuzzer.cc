@@ -1,6 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "gluevo/nn/error.h"
 #include "gluevo/nn/zip.h"
 
 // The zip archive by itself: its CRCs keep changed arrays from the reader of .npy.

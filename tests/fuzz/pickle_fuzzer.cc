@@ -1,6 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "gluevo/nn/error.h"
 #include "pickle.h"
 #include "state_dict.h"
 

@@ -1,6 +1,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "gluevo/nn/error.h"
 #include "gluevo/nn/weights.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
