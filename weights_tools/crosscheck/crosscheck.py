@@ -78,7 +78,7 @@ def check_superglue(program, folder, size, **options):
     width, height, count = 640, 480, 200
     network = networks.hugging_face_superglue(size=size, **options)
     networks.randomize(network, 11)
-    networks.sharpen(network.final_projection.final_proj)
+    networks.sharpen(network, damping=0.1, gain=12.0)
     network.config.matching_threshold = 0.2
     first, second = inputs.features(count, size, width, height)
     with torch.no_grad():

@@ -128,7 +128,7 @@ def main():
     # Both networks in one file, and its SuperGlue under the published names.
     network = networks.randomize(networks.hugging_face_superglue(**GLUE, **{
         "widths": WIDTHS["widths"], "head": WIDTHS["head"]}), 5)
-    networks.sharpen(network.final_projection.final_proj)
+    networks.sharpen(network)
     save_file(network.state_dict(), path("both_hugging_face.safetensors"))
     published = networks.magic_leap_names(network)
     torch.save(

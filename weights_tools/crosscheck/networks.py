@@ -33,12 +33,15 @@ def randomize(network, seed):
     return network.eval()
 
 
-def sharpen(final_projection):
-    """Makes scores of a random SuperGlue follow its descriptors, so that there are matches."""
+def sharpen(network, damping=1.0, gain=3.0):
+    """Makes scores of a random Hugging Face SuperGlue follow its descriptors, so that there are
+    matches; the deeper it is the less its layers may change them."""
     with torch.no_grad():
-        size = final_projection.weight.shape[0]
-        eye = torch.eye(size).reshape(final_projection.weight.shape)
-        final_projection.weight.mul_(0.2).add_(3.0 * eye)
+        for layer in [network.keypoint_encoder.encoder, *(l.mlp for l in network.gnn.layers)]:
+            layer[-1].weight.mul_(damping)
+            layer[-1].bias.mul_(damping)
+        final = network.final_projection.final_proj
+        final.weight.mul_(0.2).add_(gain * torch.eye(final.weight.shape[0]))
 
 
 # ------------------------------------------------------------------------------------ SuperPoint
