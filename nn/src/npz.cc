@@ -12,7 +12,10 @@ void ParseNpz(const Bytes& file, Weights& weights) {
   for (const ZipEntry& entry : ReadZipDirectory(file)) {
     constexpr std::string_view kSuffix = ".npy";
     if (!std::string_view(entry.name).ends_with(kSuffix) || entry.name.size() == kSuffix.size()) {
-      file.Fail(entry.at, "entry " + Quoted(entry.name) + " of the archive is no .npy array");
+      file.Fail(
+          entry.at,
+          "entry " + Quoted(entry.name) + " of the archive is no .npy array" +
+              (entry.name.ends_with(".pkl") ? ": gluevo-weights converts PyTorch's files" : ""));
     }
     const std::string name = entry.name.substr(0, entry.name.size() - kSuffix.size());
     const ZipData data(entry);

@@ -49,7 +49,7 @@ Weights ParseWeights(const void* bytes, std::size_t size, const std::string& sou
     // Meant as safetensors: says what is wrong with the header.
     ParseSafetensors(file, weights);
   } else {
-    file.Fail(0, "the file is neither .safetensors nor .npz");
+    file.Fail(0, "the file is neither .safetensors nor .npz (gluevo-weights converts other forms)");
   }
   weights.checksum = Sha256(bytes, size);
   return weights;
