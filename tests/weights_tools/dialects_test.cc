@@ -81,6 +81,14 @@ TEST(DialectsTest, TwoOfAKindAreRefused) {
       << RefusalOf(twice);
 }
 
+TEST(DialectsTest, ManyNetworksAreRefused) {
+  Weights many;
+  for (int i = 0; i < 20; ++i) {
+    many.tensors.emplace("net" + std::to_string(i) + ".conv1a.weight", Tensor<float>(Shape{1}));
+  }
+  EXPECT_EQ(RefusalOf(many).find("file: holds more than 16 networks"), 0U) << RefusalOf(many);
+}
+
 TEST(DialectsTest, MatricesStandFor1x1Convolutions) {
   Weights superglue = SmallSuperGlue();
   for (auto& [name, tensor] : superglue.tensors) {

@@ -221,6 +221,30 @@ TEST(OnnxTest, RefusesModelsThatUseATensorTooOften) {
                 "file: byte ", "uses its tensors too often");
 }
 
+TEST(OnnxTest, RefusesMoreLayersThanTheNetworksHave) {
+  std::vector<std::string> nodes;
+  std::vector<std::string> tensors;
+  for (int i = 0; i < 3000; ++i) {
+    const std::string name = "m" + std::to_string(i);
+    tensors.push_back(Tensor(name + ".weight", {1, 1}, 1, Floats({static_cast<float>(i)})));
+    nodes.push_back(Node("MatMul", {"x", name + ".weight"}, name));
+  }
+  ExpectRefused(Model(nodes, tensors), "file: byte ", "has more than 2000 layers");
+}
+
+// Quantised by quantised numbers, over and over: 3^8 ways from the end to the beginning.
+TEST(OnnxTest, LongChainsEnd) {
+  std::vector<std::string> nodes;
+  std::string last = "q";
+  for (int i = 0; i < 2000; ++i) {
+    const std::string next = "d" + std::to_string(i);
+    nodes.push_back(Node("DequantizeLinear", {last, last, last}, next));
+    nodes.push_back(Node("MatMul", {"x", next}, "y" + std::to_string(i)));
+    last = next;
+  }
+  EXPECT_TRUE(Parse(Model(nodes, {})).weights.tensors.empty());
+}
+
 TEST(OnnxTest, SaysThatItKnowsNoOrderOfLayers) {
   const std::string weight = Tensor("a", {1, 1, 1, 1}, 1, Floats({1}));
   ExpectRefused(Model({Node("Conv", {"x", "a"}, "y")}, {weight}),

@@ -167,6 +167,30 @@ TEST(TorchTest, RefusesManyTensorsOfOneStorage) {
                 "the tensors are more than 4 times the file's size");
 }
 
+// {"model": a, "net": a, ...} with all names that may wrap a dictionary, a being the same of b, and
+// so on; the innermost one is large.
+std::string Labyrinth(char depth) {
+  const std::string start = std::string("}q") + depth + "(";
+  if (depth == 0) {
+    std::string pickle = start;
+    for (int i = 0; i < 50'000; ++i) {
+      pickle += Text("k" + std::to_string(i)) + "N";
+    }
+    return pickle + "u";
+  }
+  const char inner = static_cast<char>(depth - 1);
+  std::string pickle = start + Text("state_dict") + Labyrinth(inner);
+  for (const char* key : {"model_state_dict", "model", "net", "network", "weights", "params",
+                          "superpoint", "superglue", "matcher", "extractor"}) {
+    pickle += Text(key) + "h" + inner;
+  }
+  return pickle + "u";
+}
+
+TEST(TorchTest, DictionariesThatHoldEachOtherAreSearchedOnce) {
+  ExpectRefused(ArchiveOf("\x80\2" + Labyrinth(4) + "."), "file: byte ", "holds no tensors");
+}
+
 TEST(TorchTest, ChangedPicklesNeverCrash) {
   const std::string file = TestFile("torch.pth");
   const std::size_t begin = file.find("\x80\2ccollections");

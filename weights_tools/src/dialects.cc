@@ -17,6 +17,8 @@ constexpr std::array<std::string_view, 6> kFirstLayers = {
     "conv1a.",         "encoder.conv_blocks.0.conv_a.", "backbone.0.0.conv.", "inc.conv.conv.0.",
     "kenc.encoder.0.", "keypoint_encoder.encoder.0."};
 
+constexpr std::size_t kMostWrappings = 16;
+
 // What stands before the names of first layers: of a program's modules that hold a network, and of
 // the wrappings that training puts around it.
 std::set<std::string> WrappingsOf(const nn::Weights& weights) {
@@ -26,6 +28,10 @@ std::set<std::string> WrappingsOf(const nn::Weights& weights) {
       const std::size_t at = name.find(layer);
       if (at != std::string::npos && at > 0 && name[at - 1] == '.') {
         wrappings.insert(name.substr(0, at));
+        if (wrappings.size() > kMostWrappings) {
+          throw Error(weights.source + ": holds more than " + std::to_string(kMostWrappings) +
+                      " networks, expected a SuperPoint, a SuperGlue or one of each");
+        }
       }
     }
   }

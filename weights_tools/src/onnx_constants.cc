@@ -1,5 +1,6 @@
 #include "onnx_constants.h"
 
+#include <set>
 #include <utility>
 
 namespace gluevo::weights_tools {
@@ -36,7 +37,7 @@ OnnxConstants::OnnxConstants(const OnnxModel& model, uint64_t file_size)
         node.message.Fail(0, "the value " + Quoted(output) + " of the ONNX model is made twice");
       }
     }
-    for (const std::string& input : node.inputs) {
+    for (const std::string& input : std::set(node.inputs.begin(), node.inputs.end())) {
       consumers_.emplace(input, &node);
     }
   }
@@ -79,7 +80,7 @@ std::optional<OnnxConstant> OnnxConstants::Get(const std::string& name, int dept
   if (node->op == "Identity" || node->op == "Cast") {
     return Get(node->inputs[0], depth + 1);
   }
-  if (node->op == "DequantizeLinear") {
+  if (node->op == "DequantizeLinear" && depth + 1 < kDeepest) {
     return Dequantize(*node, depth + 1);
   }
   if (node->op == "Transpose") {
@@ -102,9 +103,11 @@ std::optional<OnnxConstant> OnnxConstants::Dequantize(const OnnxNode& node, int 
   if (!constant || node.inputs.size() < 2) {
     return std::nullopt;
   }
-  const std::optional<OnnxConstant> scale = Get(node.inputs[1], depth);
+  // Tensors of the file, or such behind one node: three ways at every depth would be too many.
+  const std::optional<OnnxConstant> scale = Get(node.inputs[1], kDeepest - 1);
   const bool has_zero = node.inputs.size() > 2 && !node.inputs[2].empty();
-  const std::optional<OnnxConstant> zero = has_zero ? Get(node.inputs[2], depth) : std::nullopt;
+  const std::optional<OnnxConstant> zero =
+      has_zero ? Get(node.inputs[2], kDeepest - 1) : std::nullopt;
   if (!scale || (has_zero && !zero)) {
     return std::nullopt;
   }

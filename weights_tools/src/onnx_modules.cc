@@ -12,6 +12,9 @@ namespace {
 
 using nn::Tensor;
 
+// The published SuperGlue has 113.
+constexpr std::size_t kMostLinears = 2000;
+
 // The name of the module whose tensor this is, or nothing where it does not end as expected.
 std::string ModuleOf(std::string_view tensor, std::string_view ending) {
   constexpr std::string_view kQuantized = "_quantized";
@@ -165,8 +168,11 @@ class Finder {
       // An Add of a vector behind it is its bias.
       std::optional<OnnxConstant> bias;
       for (const OnnxNode* consumer : constants_.ConsumersOf(node.outputs[0])) {
-        for (std::size_t i = 0; consumer->op == "Add" && i < consumer->inputs.size(); ++i) {
-          std::optional<OnnxConstant> other = constants_.Get(consumer->inputs[i]);
+        if (consumer->op != "Add" || consumer->inputs.size() != 2) {
+          continue;
+        }
+        for (const std::string& name : consumer->inputs) {
+          std::optional<OnnxConstant> other = constants_.Get(name);
           if (other && other->values.shape() == nn::Shape{weight->values.extent(0)}) {
             bias = std::move(other);
           }
@@ -197,6 +203,10 @@ class Finder {
                                     [&](const OnnxLinear& other) { return Same(linear, other); });
     origins_[node.outputs[0]] = {static_cast<int>(found - linears_.begin()), false};
     if (found == linears_.end()) {
+      if (linears_.size() == kMostLinears) {
+        node.message.Fail(0, "the model has more than " + std::to_string(kMostLinears) +
+                                 " layers, expected a SuperPoint or a SuperGlue");
+      }
       linears_.push_back(std::move(linear));
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 
 namespace gluevo::weights_tools {
@@ -45,8 +46,10 @@ bool HasTensors(const Pickle& pickle, const PickleObject& dictionary) {
   return false;
 }
 
-const PickleObject* Search(const Pickle& pickle, const PickleObject& object, int depth) {
-  if (object.kind != Kind::kDict || depth > kDeepestWrapping) {
+// Each dictionary is searched once, however often others hold it.
+const PickleObject* Search(const Pickle& pickle, const PickleObject& object, int depth,
+                           std::set<const PickleObject*>& visited) {
+  if (object.kind != Kind::kDict || depth > kDeepestWrapping || !visited.insert(&object).second) {
     return nullptr;
   }
   constexpr std::array kWrappings = {"state_dict", "model_state_dict", "model",    "net",
@@ -54,7 +57,7 @@ const PickleObject* Search(const Pickle& pickle, const PickleObject& object, int
                                      "superglue",  "matcher",          "extractor"};
   for (const char* key : kWrappings) {
     if (const PickleObject* inner = pickle.Find(object, key)) {
-      if (const PickleObject* found = Search(pickle, *inner, depth + 1)) {
+      if (const PickleObject* found = Search(pickle, *inner, depth + 1, visited)) {
         return found;
       }
     }
@@ -94,7 +97,8 @@ const PickleObject& FindStateDict(const Pickle& pickle, const nn::Bytes& bytes) 
                "the pickle holds no dictionary: expected one of tensors, as "
                "torch.save(model.state_dict(), FILE) writes");
   }
-  const PickleObject* found = Search(pickle, root, 0);
+  std::set<const PickleObject*> visited;
+  const PickleObject* found = Search(pickle, root, 0, visited);
   if (found == nullptr) {
     bytes.Fail(root.at, root.items.empty()
                             ? std::string("the pickled dictionary is empty, expected tensors")
