@@ -185,12 +185,14 @@ void PickleMachine::Reduce() {
   }
   const std::string& name = Get(function).text;
   const std::vector<PickleRef>& items = Get(arguments).items;
+  // Their first argument is all that counts.
+  const bool wraps =
+      (name == "torch Size" && items.size() == 1 && Get(items[0]).kind == Kind::kTuple) ||
+      (name == "torch._utils _rebuild_parameter" && items.size() == 3 &&
+       Get(items[0]).kind == Kind::kTensor);
   if (name == "collections OrderedDict" && items.empty()) {
     PushKind(Kind::kDict);
-  } else if (name == "torch Size" && items.size() == 1 && Get(items[0]).kind == Kind::kTuple) {
-    stack_.push_back(items[0]);
-  } else if (name == "torch._utils _rebuild_parameter" && items.size() == 3 &&
-             Get(items[0]).kind == Kind::kTensor) {
+  } else if (wraps) {
     stack_.push_back(items[0]);
   } else if (name == "torch._utils _rebuild_tensor" || name == "torch._utils _rebuild_tensor_v2") {
     Push(RebuildTensor(items));
