@@ -1,6 +1,7 @@
 #include "network_options.h"
 
 #include <algorithm>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,15 @@ void AddNetworkOptions(CLI::App& command, NetworkOptions& options) {
                      "Weights file of SuperPoint, .safetensors or .npz");
   command.add_option("--superglue", options.superglue,
                      "Weights file of SuperGlue, .safetensors or .npz");
+  command
+      .add_option("--precision", options.precision,
+                  "Of SuperGlue's matrix products: float, or bf16, which is faster on CPUs with "
+                  "AVX512_BF16 (SuperPoint is always float: its Winograd convolutions are faster)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, nn::Precision>{{"float", nn::Precision::kFloat},
+                                               {"bf16", nn::Precision::kBf16}},
+          CLI::ignore_case))
+      ->default_str("float");
   command.add_option("--threads", options.threads, "Threads; default: one for each processor")
       ->check(CLI::Range(1, 1024));
 }
@@ -88,7 +98,7 @@ Networks LoadNetworks(const NetworkOptions& options, bool with_superglue) {
   if (with_superglue) {
     const nn::Weights superglue =
         superglue_file ? nn::ReadWeights(*superglue_file) : nn::OpenSuperGlueWeights();
-    networks.superglue = std::make_shared<nn::SuperGlue>(superglue);
+    networks.superglue = std::make_shared<nn::SuperGlue>(superglue, options.precision);
     networks.superglue_record = {superglue.source, superglue.checksum};
     if (networks.superpoint->descriptor_size() != networks.superglue->descriptor_size()) {
       throw Error(superglue.source + ": a SuperGlue for descriptors of " +

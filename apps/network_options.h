@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "gluevo/nn/precision.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/nn/thread_pool.h"
@@ -16,7 +17,8 @@ struct NetworkOptions {
   std::filesystem::path weights;     ///< Folder; empty for the built-in open weights.
   std::filesystem::path superpoint;  ///< File; before what the folder holds.
   std::filesystem::path superglue;
-  int threads = 0;  ///< 0: one a processor.
+  nn::Precision precision = nn::Precision::kFloat;  ///< Of SuperGlue's products.
+  int threads = 0;                                  ///< 0: one a processor.
 };
 
 void AddNetworkOptions(CLI::App& command, NetworkOptions& options);

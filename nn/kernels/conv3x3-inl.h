@@ -12,7 +12,7 @@
 #include "kernels/tile-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace gluevo::nn::kernels::HWY_NAMESPACE {
+namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 
 // Pixels of a row that are computed for all output channels before the next ones: their inputs stay
 // in the second-level cache meanwhile.
@@ -138,7 +138,7 @@ void FastConv3x3(const Conv3x3& p) {
   }
 }
 
-}  // namespace gluevo::nn::kernels::HWY_NAMESPACE
+}  // namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
 #include "gluevo/nn/isa.h"
 
@@ -74,57 +75,100 @@ int64_t PackedConv3x3Floats(int64_t out_channels, int64_t in_channels);
 /// zeros for padding channels. With in_channels == 1 (Conv3x3::gray) the block of inputs is 1 wide.
 void PackConv3x3(const float* weights, int64_t out_channels, int64_t in_channels, float* packed);
 
-/// c = relu(a0 b[:k0] + a1 b[k0:] + bias) + residual: a product of row-major matrices with a
-/// packed, constant right side. The left side may come in two parts that are never concatenated.
-struct MatMul {
-  /// [rows][k0]: element k of a row at a0[row * a0_stride + k / kBlock * a0_block_stride +
-  /// k % kBlock]. Row-major with the default; a row of pixels of a BlockedMap with its strides.
-  const float* a0 = nullptr;
-  int64_t a0_stride = 0;
-  int64_t a0_block_stride = kBlock;
-  int64_t k0 = 0;
-  const float* a1 = nullptr;  ///< Row-major, or nothing with k1 = 0.
-  int64_t a1_stride = 0;
-  int64_t k1 = 0;
-  const float* b = nullptr;     ///< Packed by PackMatrix, k0 + k1 inputs.
-  const float* bias = nullptr;  ///< [columns rounded up to kBlock], zeros in the padding; or null.
-  bool relu = false;
-  const float* residual = nullptr;  ///< [rows][columns] with c's stride, may be c itself; or null.
-  float* c = nullptr;
-  int64_t c_stride = 0;
-  int64_t columns = 0;  ///< Columns to write; the rest of a last block is not touched.
-  int64_t row_begin = 0;
-  int64_t row_end = 0;
+/// Two bfloat16 (the upper halves of floats) of neighbouring channels: an element of the operands
+/// of products in bf16, as wide as a float. So both precisions have the same layouts, and a block
+/// of kBlock elements is 16 channels of the one, 32 of the other.
+struct Bf16Pair {
+  uint16_t low = 0;  ///< The channel of even index.
+  uint16_t high = 0;
 };
 
-int64_t PackedMatrixFloats(int64_t out_features, int64_t in_features);
-/// Weights [out][in], rows `stride` floats apart, as [out block][in][out of the block].
+/// Channels of an element.
+template <typename Element>
+inline constexpr int kChannelsPer = std::is_same_v<Element, float> ? 1 : 2;
+
+/// Blocks of elements that hold so many channels.
+template <typename Element>
+constexpr int64_t ElementBlocks(int64_t channels) {
+  return BlocksOf((channels + kChannelsPer<Element> - 1) / kChannelsPer<Element>);
+}
+
+/// c = relu(a0 b[:k0] + a1 b[k0:] + bias) + residual, sums in float. Operands on the left are rows
+/// in blocks of elements, [block][row][kBlock], padding channels zero; they may come in two parts
+/// that are never concatenated. The right side is packed and mostly constant.
+template <typename Element>
+struct MatMul {
+  const Element* a0 = nullptr;  ///< First row.
+  int64_t a0_block_stride = 0;  ///< Elements from a block to the next.
+  int64_t a0_blocks = 0;
+  const Element* a1 = nullptr;
+  int64_t a1_block_stride = 0;
+  int64_t a1_blocks = 0;
+  const Element* b = nullptr;   ///< Packed by PackMatrix.
+  const float* bias = nullptr;  ///< [columns rounded up to kBlock], zeros in the padding; or null.
+  bool relu = false;
+  const float* residual = nullptr;  ///< Laid out like c, may be c itself; or null.
+  /// Element (row, column) at c[row * c_stride + column / kBlock * c_block_stride + column %
+  /// kBlock]; null where only the rounded result is wanted.
+  float* c = nullptr;
+  int64_t c_stride = kBlock;
+  int64_t c_block_stride = 0;
+  /// The result rounded to the nearest, as a left operand: [block][row][kBlock]; or null.
+  Bf16Pair* rounded = nullptr;
+  int64_t rounded_block_stride = 0;
+  int64_t columns = 0;  ///< Of c, which is not touched beyond; `rounded` is whole blocks.
+  int64_t rows = 0;
+};
+
+/// Elements that PackMatrix writes.
+template <typename Element>
+constexpr int64_t PackedMatrixSize(int64_t out_features, int64_t in_features) {
+  return BlocksOf(out_features) * kBlock * ElementBlocks<Element>(in_features) * kBlock;
+}
+/// Weights [out][in], rows `stride` floats apart, as [out block][in element][out of the block] with
+/// zeros for padding.
+template <typename Element>
 void PackMatrix(const float* weights, int64_t stride, int64_t out_features, int64_t in_features,
-                float* packed);
+                Element* packed);
+
+/// Rows of a left operand, [block][row][kBlock], as rows of a right one (its transpose): packed
+/// [row block][block * kBlock + i][kBlock rows], zeros for the padding of a last block of rows.
+template <typename Element>
+void PackRows(const Element* rows, int64_t block_stride, int64_t blocks, int64_t count,
+              Element* packed);
 
 /// One head of attention (Vaswani et al. 2017): out = softmax(q k^T) v, the factor 1/sqrt(d) being
-/// part of q already.
+/// part of q already. d is a multiple of the channels of a block of elements.
+template <typename Element>
 struct Attention {
-  const float* q = nullptr;  ///< [queries][head_dim], rows q_stride apart.
-  int64_t q_stride = 0;
-  /// Packed by PackMatrix from k [keys][head_dim]: [key block][head_dim][kBlock].
-  const float* k_packed = nullptr;
-  const float* v = nullptr;  ///< [keys][head_dim rounded up to kBlock], contiguous, zero padding.
+  const Element* q = nullptr;  ///< [block][query][kBlock]
+  int64_t q_block_stride = 0;
+  int64_t head_blocks = 0;  ///< Blocks of elements of q and k.
+  /// Packed by PackRows: [key block][head_blocks * kBlock][kBlock keys], zeros for padding keys.
+  const Element* k = nullptr;
+  /// Right operand of the second product, an element being one or two keys' values of a channel:
+  /// [channel / kBlock][key element][kBlock]; zeros for padding keys, up to a whole block of
+  /// elements.
+  const Element* v = nullptr;
+  int64_t v_block_stride = 0;
   int64_t keys = 0;
-  int64_t head_dim = 0;
-  float* out = nullptr;  ///< [queries][head_dim], rows out_stride apart.
-  int64_t out_stride = 0;
-  int64_t row_begin = 0;  ///< Queries to compute.
-  int64_t row_end = 0;
+  Element* out = nullptr;  ///< Laid out like q.
+  int64_t out_block_stride = 0;
+  int64_t queries = 0;
   float* scratch = nullptr;  ///< AttentionScratchFloats(keys) floats, aligned, of this thread only.
 };
 
-/// Query rows whose scores are in scratch at a time.
-inline constexpr int64_t kAttentionRows = 32;
+/// Queries whose scores are in scratch at a time: two register tiles of the widest set.
+inline constexpr int64_t kAttentionRows = 28;
 
 inline constexpr int64_t AttentionScratchFloats(int64_t keys) {
   return kAttentionRows * BlocksOf(keys) * kBlock;
 }
+
+/// Rows of a left operand in bf16, [block][row][kBlock], as Attention::v: a pair holds one channel
+/// of two rows. `count` may be odd.
+void PackValues(const Bf16Pair* rows, int64_t block_stride, int64_t blocks, int64_t count,
+                Bf16Pair* packed, int64_t packed_block_stride);
 
 /// SuperPoint's detector head: softmax over the 65 logits of each cell, the 65th (no keypoint here)
 /// dropped, and the 8x8 others put at their pixels.
@@ -137,23 +181,36 @@ struct DetectorSoftmax {
   int64_t cell_row_end = 0;
 };
 
-/// Rows [row_begin, row_end) of one Sinkhorn iteration in the log domain (SuperGlue, section 3.3).
-/// With m_i the largest z_ij + v_j of row i, e_ij = exp(z_ij + v_j - m_i) and s_i its sum:
-///   u_i = log_mu_i - m_i - log s_i,   column_sums_j += e_ij * exp(log_mu_i) / s_i.
-/// The caller then sets v_j <- v_j + log_nu_j - log(column_sums_j): the same mathematics as two
-/// log-sum-exps, with one exponential an entry.
-struct SinkhornRows {
+/// Rows [row_begin, row_end) of k_ij = exp(z_ij + u_i + v_j): a transport plan, or the kernel that
+/// Sinkhorn's iterations scale to one. Entries below exp(-80) and the padding of rows become 0.
+struct SinkhornExponentials {
   const float* z = nullptr;  ///< [rows][stride], stride a multiple of kBlock; padding is ignored.
   int64_t stride = 0;
   int64_t columns = 0;
-  const float* v = nullptr;       ///< [columns rounded up to kBlock]
-  const float* log_mu = nullptr;  ///< [rows]
-  float* u = nullptr;             ///< [rows]
-  float* column_sums = nullptr;   ///< [columns rounded up to kBlock]; added to.
-  float* scratch = nullptr;       ///< [columns rounded up to kBlock], of this thread only.
+  const float* u = nullptr;  ///< [rows]
+  const float* v = nullptr;  ///< [stride]
+  float* k = nullptr;        ///< [rows][stride]
   int64_t row_begin = 0;
   int64_t row_end = 0;
 };
+
+/// Rows [row_begin, row_end) of one Sinkhorn iteration (Cuturi 2013):
+///   a_i = mu_i / sum_j k_ij b_j,   column_sums_j += k_ij a_i.
+/// The caller then sets b_j to nu_j over the column's sum.
+struct SinkhornRows {
+  const float* k = nullptr;  ///< [rows][stride], stride a multiple of kBlock, zeros in the padding.
+  int64_t stride = 0;
+  const float* b = nullptr;      ///< [stride], finite in the padding.
+  const float* mu = nullptr;     ///< [rows]
+  float* a = nullptr;            ///< [rows]
+  float* column_sums = nullptr;  ///< [stride]; added to.
+  int64_t row_begin = 0;
+  int64_t row_end = 0;
+};
+
+/// Bound of the relative error of the fast kernels' exponential: 1.8 units of 2^-24 of its
+/// polynomial, the rest of rounding.
+inline constexpr double kExpError = 6 * 0x1p-24;
 
 /// The kernels of one instruction set.
 struct Kernels {
@@ -162,14 +219,37 @@ struct Kernels {
   void (*conv3x3)(const Conv3x3&) = nullptr;
   /// The same by Winograd's F(4x4, 3x3), for maps that are not `gray`; null where there is none.
   void (*winograd3x3)(const Conv3x3&) = nullptr;
-  void (*matmul)(const MatMul&) = nullptr;
-  void (*attention)(const Attention&) = nullptr;
+  void (*matmul)(const MatMul<float>&) = nullptr;
+  void (*matmul_bf16)(const MatMul<Bf16Pair>&) = nullptr;
+  void (*attention)(const Attention<float>&) = nullptr;
+  void (*attention_bf16)(const Attention<Bf16Pair>&) = nullptr;
   void (*detector_softmax)(const DetectorSoftmax&) = nullptr;
+  void (*sinkhorn_exponentials)(const SinkhornExponentials&) = nullptr;
   void (*sinkhorn_rows)(const SinkhornRows&) = nullptr;
   /// Floating-point operations a second of one thread that does nothing but multiply-adds on
   /// registers, over `seconds`: the peak that shares are quoted of.
   double (*peak_flops)(double seconds) = nullptr;
+  /// The same for products in bf16 with sums in float.
+  double (*peak_flops_bf16)(double seconds) = nullptr;
 };
+
+template <typename Element>
+void Multiply(const Kernels& kernels, const MatMul<Element>& p) {
+  if constexpr (std::is_same_v<Element, float>) {
+    kernels.matmul(p);
+  } else {
+    kernels.matmul_bf16(p);
+  }
+}
+
+template <typename Element>
+void Attend(const Kernels& kernels, const Attention<Element>& p) {
+  if constexpr (std::is_same_v<Element, float>) {
+    kernels.attention(p);
+  } else {
+    kernels.attention_bf16(p);
+  }
+}
 
 /// Throws Error unless SupportedIsas() has it.
 const Kernels& KernelsFor(Isa isa);

@@ -4,6 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <vector>
+
+#include "kernels/bf16.h"
 
 namespace gluevo::nn::kernels {
 namespace {
@@ -53,56 +56,89 @@ void ReferenceConv3x3(const Conv3x3& p) {
   }
 }
 
-void ReferenceMatMul(const MatMul& p) {
-  const int64_t k = p.k0 + p.k1;
-  for (int64_t row = p.row_begin; row < p.row_end; ++row) {
-    for (int64_t column = 0; column < p.columns; ++column) {
-      const float* b = p.b + column / kBlock * k * kBlock + column % kBlock;
+// Channel `part` of an element.
+double Channel(float element, int /*part*/) { return element; }
+double Channel(Bf16Pair element, int part) {
+  return FromBf16(part == 0 ? element.low : element.high);
+}
+
+void StoreChannel(float value, float* row, int64_t channel) { row[channel] = value; }
+void StoreChannel(float value, Bf16Pair* row, int64_t channel) {
+  Bf16Pair& element = row[channel / 2];
+  (channel % 2 == 0 ? element.low : element.high) = ToBf16(value);
+}
+
+template <typename Element>
+double DotProduct(Element a, Element b) {
+  double sum = 0.0;
+  for (int part = 0; part < kChannelsPer<Element>; ++part) {
+    sum += Channel(a, part) * Channel(b, part);
+  }
+  return sum;
+}
+
+template <typename Element>
+void ReferenceMatMul(const MatMul<Element>& p) {
+  for (int64_t row = 0; row < p.rows; ++row) {
+    for (int64_t column = 0; column < BlocksOf(p.columns) * kBlock; ++column) {
+      const Element* b =
+          p.b + column / kBlock * (p.a0_blocks + p.a1_blocks) * kBlock * kBlock + column % kBlock;
       double sum = p.bias != nullptr ? p.bias[column] : 0.0;
-      for (int64_t i = 0; i < p.k0; ++i) {
-        const float a = p.a0[row * p.a0_stride + i / kBlock * p.a0_block_stride + i % kBlock];
-        sum += static_cast<double>(a) * b[i * kBlock];
+      for (int64_t i = 0; i < p.a0_blocks * kBlock; ++i, b += kBlock) {
+        sum += DotProduct(p.a0[i / kBlock * p.a0_block_stride + row * kBlock + i % kBlock], *b);
       }
-      for (int64_t i = 0; i < p.k1; ++i) {
-        sum += static_cast<double>(p.a1[row * p.a1_stride + i]) * b[(p.k0 + i) * kBlock];
+      for (int64_t i = 0; i < p.a1_blocks * kBlock; ++i, b += kBlock) {
+        sum += DotProduct(p.a1[i / kBlock * p.a1_block_stride + row * kBlock + i % kBlock], *b);
       }
       if (p.relu) {
         sum = std::max(sum, 0.0);
       }
-      if (p.residual != nullptr) {
-        sum += p.residual[row * p.c_stride + column];
+      const int64_t at = row * p.c_stride + column / kBlock * p.c_block_stride + column % kBlock;
+      if (column < p.columns && p.residual != nullptr) {
+        sum += p.residual[at];
       }
-      p.c[row * p.c_stride + column] = static_cast<float>(sum);
+      if (column < p.columns && p.c != nullptr) {
+        p.c[at] = static_cast<float>(sum);
+      }
+      if (p.rounded != nullptr) {
+        constexpr int64_t kWide = 2 * kBlock;
+        StoreChannel(column < p.columns ? static_cast<float>(sum) : 0.0F,
+                     p.rounded + column / kWide * p.rounded_block_stride + row * kBlock,
+                     column % kWide);
+      }
     }
   }
 }
 
-void ReferenceAttention(const Attention& p) {
-  const int64_t v_stride = BlocksOf(p.head_dim) * kBlock;
-  for (int64_t row = p.row_begin; row < p.row_end; ++row) {
-    const auto score = [&](int64_t key) {
-      const float* k = p.k_packed + key / kBlock * p.head_dim * kBlock + key % kBlock;
+template <typename Element>
+void ReferenceAttention(const Attention<Element>& p) {
+  constexpr int64_t kWide = kChannelsPer<Element> * kBlock;
+  std::vector<double> weights(static_cast<std::size_t>(p.keys));
+  for (int64_t query = 0; query < p.queries; ++query) {
+    for (int64_t key = 0; key < p.keys; ++key) {
+      const Element* const k = p.k + key / kBlock * p.head_blocks * kBlock * kBlock + key % kBlock;
       double sum = 0.0;
-      for (int64_t d = 0; d < p.head_dim; ++d) {
-        sum += static_cast<double>(p.q[row * p.q_stride + d]) * k[d * kBlock];
+      for (int64_t i = 0; i < p.head_blocks * kBlock; ++i) {
+        sum += DotProduct(p.q[i / kBlock * p.q_block_stride + query * kBlock + i % kBlock],
+                          k[i * kBlock]);
       }
-      return sum;
-    };
-    double largest = -std::numeric_limits<double>::infinity();
-    for (int64_t key = 0; key < p.keys; ++key) {
-      p.scratch[key] = static_cast<float>(score(key));
-      largest = std::max<double>(largest, p.scratch[key]);
+      weights[key] = sum;
     }
+    const double largest = *std::max_element(weights.begin(), weights.end());
     double total = 0.0;
-    for (int64_t key = 0; key < p.keys; ++key) {
-      total += std::exp(p.scratch[key] - largest);
+    for (double& weight : weights) {
+      weight = std::exp(weight - largest);
+      total += weight;
     }
-    for (int64_t d = 0; d < p.head_dim; ++d) {
+    for (int64_t channel = 0; channel < p.head_blocks * kWide; ++channel) {
+      const Element* const v = p.v + channel / kBlock * p.v_block_stride + channel % kBlock;
       double sum = 0.0;
       for (int64_t key = 0; key < p.keys; ++key) {
-        sum += std::exp(p.scratch[key] - largest) * p.v[key * v_stride + d];
+        sum += weights[key] * Channel(v[key / kChannelsPer<Element> * kBlock],
+                                      static_cast<int>(key % kChannelsPer<Element>));
       }
-      p.out[row * p.out_stride + d] = static_cast<float>(sum / total);
+      StoreChannel(static_cast<float>(sum / total),
+                   p.out + channel / kWide * p.out_block_stride + query * kBlock, channel % kWide);
     }
   }
 }
@@ -124,22 +160,28 @@ void ReferenceDetectorSoftmax(const DetectorSoftmax& p) {
   }
 }
 
+void ReferenceSinkhornExponentials(const SinkhornExponentials& p) {
+  for (int64_t row = p.row_begin; row < p.row_end; ++row) {
+    for (int64_t j = 0; j < p.stride; ++j) {
+      const int64_t at = row * p.stride + j;
+      const double x = j < p.columns ? static_cast<double>(p.z[at]) + p.u[row] + p.v[j] : -1000.0;
+      p.k[at] = x >= -80.0 ? static_cast<float>(std::exp(x)) : 0.0F;
+    }
+  }
+}
+
 void ReferenceSinkhornRows(const SinkhornRows& p) {
   for (int64_t row = p.row_begin; row < p.row_end; ++row) {
-    const float* z = p.z + row * p.stride;
-    double largest = -std::numeric_limits<double>::infinity();
-    for (int64_t j = 0; j < p.columns; ++j) {
-      largest = std::max(largest, static_cast<double>(z[j]) + p.v[j]);
-    }
+    const float* k = p.k + row * p.stride;
     double sum = 0.0;
-    for (int64_t j = 0; j < p.columns; ++j) {
-      sum += std::exp(static_cast<double>(z[j]) + p.v[j] - largest);
+    for (int64_t j = 0; j < p.stride; ++j) {
+      sum += static_cast<double>(k[j]) * p.b[j];
     }
-    p.u[row] = static_cast<float>(p.log_mu[row] - largest - std::log(sum));
-    const double weight = std::exp(static_cast<double>(p.log_mu[row])) / sum;
-    for (int64_t j = 0; j < p.columns; ++j) {
-      p.column_sums[j] = static_cast<float>(
-          p.column_sums[j] + weight * std::exp(static_cast<double>(z[j]) + p.v[j] - largest));
+    sum = std::max<double>(sum, std::numeric_limits<float>::min());
+    p.a[row] = static_cast<float>(p.mu[row] / sum);
+    for (int64_t j = 0; j < p.stride; ++j) {
+      p.column_sums[j] =
+          static_cast<float>(p.column_sums[j] + static_cast<double>(k[j]) * p.a[row]);
     }
   }
 }
@@ -166,11 +208,15 @@ const Kernels& ReferenceKernels() {
   static constexpr Kernels kKernels = {
       .isa = Isa::kReference,
       .conv3x3 = ReferenceConv3x3,
-      .matmul = ReferenceMatMul,
-      .attention = ReferenceAttention,
+      .matmul = ReferenceMatMul<float>,
+      .matmul_bf16 = ReferenceMatMul<Bf16Pair>,
+      .attention = ReferenceAttention<float>,
+      .attention_bf16 = ReferenceAttention<Bf16Pair>,
       .detector_softmax = ReferenceDetectorSoftmax,
+      .sinkhorn_exponentials = ReferenceSinkhornExponentials,
       .sinkhorn_rows = ReferenceSinkhornRows,
       .peak_flops = ReferencePeakFlops,
+      .peak_flops_bf16 = ReferencePeakFlops,
   };
   return kKernels;
 }

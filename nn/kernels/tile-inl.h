@@ -13,7 +13,7 @@
 #include "kernels/kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace gluevo::nn::kernels::HWY_NAMESPACE {
+namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -39,6 +39,8 @@ inline constexpr int kTileVectors = 2;
 
 template <int kRows, int kVectors>
 struct Tile {
+  // Not left to the compiler, which g++ then compiles without the instruction set.
+  HWY_INLINE Tile() {}
   Vector v[kRows][kVectors];
 };
 
@@ -62,36 +64,87 @@ HWY_INLINE void InitTile(Tile<kRows, kVectors>& tile, const float* HWY_RESTRICT 
   }
 }
 
-// tile += a b for one step of depth: a[r * a_stride] is broadcast, kVectors vectors of b loaded.
-template <int kRows, int kVectors>
-HWY_INLINE void AccumulateStep(Tile<kRows, kVectors>& tile, const float* HWY_RESTRICT a,
-                               int64_t a_stride, const float* HWY_RESTRICT b,
-                               int64_t b_block_stride) {
+// An element of a left operand in all lanes, and vectors of elements of a right one.
+HWY_INLINE Vector BroadcastElement(const float* a) { return hn::Set(Tag(), *a); }
+HWY_INLINE Vector LoadElements(const float* b) { return hn::Load(Tag(), b); }
+HWY_INLINE Vector Dot(Vector a, Vector b, Vector sum) { return hn::MulAdd(a, b, sum); }
+
+using PairTag = hn::RebindToUnsigned<Tag>;
+using PairVector = hn::Vec<PairTag>;
+HWY_INLINE PairVector BroadcastElement(const Bf16Pair* a) {
+  uint32_t bits;
+  hwy::CopyBytes<sizeof(bits)>(a, &bits);
+  return hn::Set(PairTag(), bits);
+}
+HWY_INLINE PairVector LoadElements(const Bf16Pair* b) {
+  return hn::Load(PairTag(), reinterpret_cast<const uint32_t*>(b));
+}
+#if GLUEVO_SET_HAS_BF16
+HWY_INLINE Vector Dot(PairVector a, PairVector b, Vector sum) {
+  return Vector{_mm512_dpbf16_ps(sum.raw, reinterpret_cast<__m512bh>(a.raw),
+                                 reinterpret_cast<__m512bh>(b.raw))};
+}
+#else
+HWY_INLINE Vector Dot(PairVector a, PairVector b, Vector sum) {
   const Tag d;
-  Vector w[kVectors];
+  const PairVector upper = hn::Set(PairTag(), 0xFFFF0000U);
+  const Vector low =
+      hn::MulAdd(hn::BitCast(d, hn::ShiftLeft<16>(a)), hn::BitCast(d, hn::ShiftLeft<16>(b)), sum);
+  return hn::MulAdd(hn::BitCast(d, hn::And(a, upper)), hn::BitCast(d, hn::And(b, upper)), low);
+}
+#endif
+
+// Stores a vector of channels that starts at channel `lane` of a row of a block, as floats or
+// rounded to the nearest bf16 (ties to even).
+HWY_INLINE void StoreChannels(Vector v, float* row, int lane) { hn::Store(v, Tag(), row + lane); }
+HWY_INLINE void StoreChannels(Vector v, Bf16Pair* row, int lane) {
+  uint16_t* const to = reinterpret_cast<uint16_t*>(row) + lane;
+#if GLUEVO_SET_HAS_BF16
+  _mm256_store_si256(reinterpret_cast<__m256i*>(to),
+                     reinterpret_cast<__m256i>(_mm512_cvtneps_pbh(v.raw)));
+#else
+  const Tag d;
+  const PairTag du;
+  const PairVector bits = hn::BitCast(du, v);
+  const PairVector odd = hn::And(hn::ShiftRight<16>(bits), hn::Set(du, 1U));
+  const PairVector rounded = hn::Add(bits, hn::Add(odd, hn::Set(du, 0x7FFFU)));
+  const hn::Rebind<hwy::bfloat16_t, Tag> d_bf16;
+  const hn::Rebind<uint16_t, Tag> d_u16;
+  hn::StoreU(hn::BitCast(d_u16, hn::DemoteTo(d_bf16, hn::BitCast(d, rounded))), d_u16, to);
+#endif
+}
+
+// tile += a b for one step of depth: a[r * a_stride] is broadcast, kVectors vectors of b loaded.
+template <int kRows, int kVectors, typename Element>
+HWY_INLINE void AccumulateStep(Tile<kRows, kVectors>& tile, const Element* HWY_RESTRICT a,
+                               int64_t a_stride, const Element* HWY_RESTRICT b,
+                               int64_t b_block_stride) {
+  decltype(LoadElements(b)) w[kVectors];
   HWY_UNROLL(16)
   for (int v = 0; v < kVectors; ++v) {
-    w[v] = hn::Load(d, b + VectorOffset(v, b_block_stride));
+    w[v] = LoadElements(b + VectorOffset(v, b_block_stride));
   }
   HWY_UNROLL(16)
   for (int r = 0; r < kRows; ++r) {
-    const Vector x = hn::Set(d, a[r * a_stride]);
+    const auto x = BroadcastElement(a + r * a_stride);
     HWY_UNROLL(16)
     for (int v = 0; v < kVectors; ++v) {
-      tile.v[r][v] = hn::MulAdd(x, w[v], tile.v[r][v]);
+      tile.v[r][v] = Dot(x, w[v], tile.v[r][v]);
     }
   }
 }
 
-// tile += a b over `depth` steps; the rows of b are b_stride floats apart. The loop is not
-// unrolled: with several steps in one body g++ 12 spills accumulators (65 % of the peak instead of
-// 95 %).
-template <int kRows, int kVectors>
-HWY_INLINE void Accumulate(Tile<kRows, kVectors>& tile, const float* HWY_RESTRICT a,
-                           int64_t a_stride, const float* HWY_RESTRICT b, int64_t b_stride,
-                           int64_t b_block_stride, int64_t depth) {
-  for (int64_t k = 0; k < depth; ++k) {
-    AccumulateStep(tile, a + k, a_stride, b + k * b_stride, b_block_stride);
+// tile += a b for a left operand of `blocks` blocks, [block][row][kBlock], and the rows of b that
+// belong to it, kBlock elements apart. The loop over a block is not unrolled: with several steps in
+// one body g++ 12 spills accumulators (65 % of the peak instead of 95 %).
+template <int kRows, int kVectors, typename Element>
+HWY_INLINE void AccumulateBlocks(Tile<kRows, kVectors>& tile, const Element* HWY_RESTRICT a,
+                                 int64_t a_block_stride, int64_t blocks,
+                                 const Element* HWY_RESTRICT b, int64_t b_block_stride) {
+  for (int64_t block = 0; block < blocks; ++block, a += a_block_stride) {
+    for (int k = 0; k < kBlock; ++k, b += kBlock) {
+      AccumulateStep(tile, a + k, kBlock, b, b_block_stride);
+    }
   }
 }
 
@@ -121,18 +174,6 @@ HWY_INLINE void ScaleAndShift(Tile<kRows, kVectors>& tile, const float* HWY_REST
   }
 }
 
-// Calls f.template operator()<kRows>(row) for tiles of kTileRows rows, then of half as many, and so
-// on, until [begin, end) is covered once.
-template <int kRows = kTileRows, typename F>
-HWY_INLINE void ForRowTiles(int64_t begin, int64_t end, const F& f) {
-  for (; begin + kRows <= end; begin += kRows) {
-    f.template operator()<kRows>(begin);
-  }
-  if constexpr (kRows > 1) {
-    ForRowTiles<kRows / 2>(begin, end, f);
-  }
-}
-
 template <int kMost, typename F>
 HWY_INLINE void CallWithRows(int64_t rows, int64_t begin, const F& f) {
   if (rows == kMost) {
@@ -154,7 +195,7 @@ HWY_INLINE void ForBalancedTiles(int64_t begin, int64_t end, const F& f) {
   }
 }
 
-}  // namespace gluevo::nn::kernels::HWY_NAMESPACE
+}  // namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

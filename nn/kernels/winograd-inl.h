@@ -16,7 +16,7 @@
 #include "kernels/winograd.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace gluevo::nn::kernels::HWY_NAMESPACE {
+namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 
 // Tiles of the map that are transformed, multiplied and transformed back together.
 struct TileBlock {
@@ -170,13 +170,8 @@ HWY_NOINLINE void MultiplyBlock(const Conv3x3& p, const float* HWY_RESTRICT v, i
     ForBalancedTiles(0, tiles, [&]<int kRows>(int64_t tile_index) HWY_ATTR {
       Tile<kRows, kVectors> tile;
       InitTile(tile, nullptr);
-      const float* HWY_RESTRICT a = v + tile_index * kBlock;
-      const float* HWY_RESTRICT w = weights;
-      for (int64_t block = 0; block < p.in.blocks; ++block, a += tiles * kBlock) {
-        for (int c = 0; c < kBlock; ++c, w += kBlock) {
-          AccumulateStep(tile, a + c, kBlock, w, weights_stride);
-        }
-      }
+      AccumulateBlocks(tile, v + tile_index * kBlock, tiles * kBlock, p.in.blocks, weights,
+                       weights_stride);
       float* const to = m + tile_index * kWidth;
       HWY_UNROLL(16)
       for (int r = 0; r < kRows; ++r) {
@@ -308,7 +303,7 @@ void FastWinogradConv3x3(const Conv3x3& p) {
   }
 }
 
-}  // namespace gluevo::nn::kernels::HWY_NAMESPACE
+}  // namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #endif  // per-target include guard

@@ -16,6 +16,8 @@ void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& op
   constexpr int kRounds = 3;
 
   keypoints.clear();
+  // The most that any image of this size has, so that none asks for memory later.
+  keypoints.reserve(static_cast<std::size_t>(scores.size()));
   for (int64_t i = 0; i < scores.size(); ++i) {
     if (scores[i] > options.keypoint_threshold) {
       keypoints.push_back(i);

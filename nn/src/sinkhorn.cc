@@ -1,10 +1,18 @@
 #include "sinkhorn.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace gluevo::nn {
+namespace {
+
+constexpr float kLargestFactor = 1e6F;
+
+bool IsExtreme(const Eigen::Map<Eigen::VectorXf>& factors) {
+  return !(factors.maxCoeff() < kLargestFactor && factors.minCoeff() > 1.0F / kLargestFactor);
+}
+
+}  // namespace
 
 void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
                          const kernels::Kernels& kernels, Workspace& workspace) {
@@ -20,51 +28,73 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
   const int64_t chunk_rows = std::max<int64_t>(16, (rows + kMostChunks - 1) / kMostChunks);
   const int64_t chunks = (rows + chunk_rows - 1) / chunk_rows;
   const TensorView<float> sums = arena.Allocate<float>({chunks, stride});
-  const TensorView<float> scratch = arena.Allocate<float>({workspace.pool.size(), stride});
-  const TensorView<float> u = arena.Allocate<float>({rows});
-  const TensorView<float> v = arena.Allocate<float>({stride});
-  const TensorView<float> log_mu = arena.Allocate<float>({rows});
+  const TensorView<float> kernel = arena.Allocate<float>({rows, stride});
+  const auto vector = [&](int64_t size, float value) {
+    Eigen::Map<Eigen::VectorXf> map(arena.Allocate<float>({size}).data(), size);
+    map.setConstant(value);
+    return map;
+  };
+  // Keypoints have mass 1, and a dustbin may take all of the other side.
+  Eigen::Map<Eigen::VectorXf> mu = vector(rows, 1.0F);
+  Eigen::Map<Eigen::VectorXf> nu = vector(columns, 1.0F);
+  mu[n0] = static_cast<float>(n1);
+  nu[n1] = static_cast<float>(n0);
+  Eigen::Map<Eigen::VectorXf> a = vector(rows, 1.0F);
+  Eigen::Map<Eigen::VectorXf> b = vector(stride, 1.0F);
+  Eigen::Map<Eigen::VectorXf> u = vector(rows, 0.0F);
+  Eigen::Map<Eigen::VectorXf> v = vector(stride, 0.0F);
+  u = -scores.Matrix().leftCols(columns).rowwise().maxCoeff();
 
-  // Keypoints have mass 1 and a dustbin may take all of the other side; all divided by n0 + n1.
-  const float norm = -std::log(static_cast<float>(n0 + n1));
-  std::fill_n(log_mu.data(), n0, norm);
-  log_mu[n0] = std::log(static_cast<float>(n1)) + norm;
-  const float log_nu_dustbin = std::log(static_cast<float>(n0)) + norm;
-  std::fill_n(u.data(), rows, 0.0F);
-  std::fill_n(v.data(), stride, 0.0F);
+  const auto for_chunks = [&](const auto& f) {
+    workspace.pool.ParallelFor(chunks, [&](int64_t chunk, int /*worker*/) {
+      f(chunk, chunk * chunk_rows, std::min(rows, (chunk + 1) * chunk_rows));
+    });
+  };
+  const auto absorb = [&] {
+    u.array() += a.array().log();
+    v.array() += b.array().log();
+    a.setOnes();
+    b.setOnes();
+  };
+  const auto exponentiate = [&] {
+    for_chunks([&](int64_t /*chunk*/, int64_t begin, int64_t end) {
+      kernels.sinkhorn_exponentials({.z = scores.data(),
+                                     .stride = stride,
+                                     .columns = columns,
+                                     .u = u.data(),
+                                     .v = v.data(),
+                                     .k = kernel.data(),
+                                     .row_begin = begin,
+                                     .row_end = end});
+    });
+  };
 
+  exponentiate();
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    workspace.pool.ParallelFor(chunks, [&](int64_t chunk, int worker) {
+    if (IsExtreme(a) || IsExtreme(b)) {
+      absorb();
+      exponentiate();
+    }
+    for_chunks([&](int64_t chunk, int64_t begin, int64_t end) {
       float* const column_sums = sums.data() + chunk * stride;
       std::fill_n(column_sums, stride, 0.0F);
-      kernels.sinkhorn_rows({.z = scores.data(),
+      kernels.sinkhorn_rows({.k = kernel.data(),
                              .stride = stride,
-                             .columns = columns,
-                             .v = v.data(),
-                             .log_mu = log_mu.data(),
-                             .u = u.data(),
+                             .b = b.data(),
+                             .mu = mu.data(),
+                             .a = a.data(),
                              .column_sums = column_sums,
-                             .scratch = scratch.data() + worker * stride,
-                             .row_begin = chunk * chunk_rows,
-                             .row_end = std::min(rows, (chunk + 1) * chunk_rows)});
+                             .row_begin = begin,
+                             .row_end = end});
     });
-    for (int64_t j = 0; j < columns; ++j) {
-      float sum = 0.0F;
-      for (int64_t chunk = 0; chunk < chunks; ++chunk) {
-        sum += sums[chunk * stride + j];
-      }
-      // A column that is far below its rows' largest entries may vanish in single precision; the
-      // smallest number lets the next iterations lift it.
-      v[j] += (j < n1 ? norm : log_nu_dustbin) -
-              std::log(std::max(sum, std::numeric_limits<float>::min()));
-    }
+    b.head(columns).array() =
+        nu.array() / sums.Matrix().leftCols(columns).colwise().sum().transpose().array().max(
+                         std::numeric_limits<float>::min());
   }
 
-  for (int64_t i = 0; i < rows; ++i) {
-    for (int64_t j = 0; j < columns; ++j) {
-      scores[i * stride + j] += u[i] + v[j] - norm;
-    }
-  }
+  absorb();
+  scores.Matrix().leftCols(columns).colwise() += u;
+  scores.Matrix().leftCols(columns).rowwise() += v.head(columns).transpose();
 }
 
 }  // namespace gluevo::nn

@@ -94,16 +94,15 @@ TensorView<float> SuperPoint::Scores(const BlockedMap& trunk, Workspace& workspa
   workspace.pool.ParallelFor(trunk.height, [&](int64_t y, int worker) {
     float* const row = logits.data() + worker * trunk.width * stride;
     kernels_->matmul({.a0 = hidden.pixel(0, y, 0),
-                      .a0_stride = kBlock,
                       .a0_block_stride = hidden.block_stride(),
-                      .k0 = heads_[1].in_channels,
+                      .a0_blocks = hidden.blocks,
                       .b = heads_[1].weights.data(),
                       .bias = heads_[1].bias.data(),
                       .c = row,
                       .c_stride = stride,
+                      .c_block_stride = kBlock,
                       .columns = 65,
-                      .row_begin = 0,
-                      .row_end = trunk.width});
+                      .rows = trunk.width});
     kernels_->detector_softmax({.logits = row,
                                 .stride = stride,
                                 .cell_columns = trunk.width,
@@ -139,30 +138,31 @@ void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const
       buffers.Output(trunk, heads_[2].out_channels, trunk.height, trunk.width);
   Convolve(heads_[2], trunk, hidden, workspace, buffers);
 
-  const int64_t hidden_size = hidden.blocks * kBlock;
-  const TensorView<float> gathered = arena.Allocate<float>({rows, hidden_size});
-  const TensorView<float> projected = arena.Allocate<float>({rows, descriptor_size_});
   constexpr int64_t kRows = 56;
-  workspace.pool.ParallelFor((rows + kRows - 1) / kRows, [&](int64_t band, int /*worker*/) {
+  const TensorView<float> gathered =
+      arena.Allocate<float>({workspace.pool.size(), hidden.blocks, kRows, kBlock});
+  const TensorView<float> projected = arena.Allocate<float>({rows, descriptor_size_});
+  workspace.pool.ParallelFor((rows + kRows - 1) / kRows, [&](int64_t band, int worker) {
     const int64_t begin = band * kRows;
     const int64_t end = std::min<int64_t>(rows, begin + kRows);
-    for (int64_t row = begin; row < end; ++row) {
-      for (int64_t block = 0; block < hidden.blocks; ++block) {
-        std::copy_n(
-            hidden.pixel(block, cell_of_row[row] / trunk.width, cell_of_row[row] % trunk.width),
-            kBlock, gathered.data() + row * hidden_size + block * kBlock);
+    float* const operands = gathered.data() + worker * hidden.blocks * kRows * kBlock;
+    for (int64_t block = 0; block < hidden.blocks; ++block) {
+      for (int64_t row = begin; row < end; ++row) {
+        const int64_t cell = cell_of_row[row];
+        std::copy_n(hidden.pixel(block, cell / trunk.width, cell % trunk.width), kBlock,
+                    operands + (block * kRows + row - begin) * kBlock);
       }
     }
-    kernels_->matmul({.a0 = gathered.data(),
-                      .a0_stride = hidden_size,
-                      .k0 = heads_[3].in_channels,
+    kernels_->matmul({.a0 = operands,
+                      .a0_block_stride = kRows * kBlock,
+                      .a0_blocks = hidden.blocks,
                       .b = heads_[3].weights.data(),
                       .bias = heads_[3].bias.data(),
-                      .c = projected.data(),
+                      .c = projected.data() + begin * descriptor_size_,
                       .c_stride = descriptor_size_,
+                      .c_block_stride = kBlock,
                       .columns = descriptor_size_,
-                      .row_begin = begin,
-                      .row_end = end});
+                      .rows = end - begin});
     for (int64_t row = begin; row < end; ++row) {
       NormalizeRow(projected.data() + row * descriptor_size_, descriptor_size_);
     }
@@ -185,16 +185,15 @@ SuperPoint::DenseMaps SuperPoint::Dense(const GrayImage& image, Workspace& works
   workspace.pool.ParallelFor(trunk.height, [&](int64_t y, int /*worker*/) {
     float* const row = maps.descriptors.data() + y * trunk.width * descriptor_size_;
     kernels_->matmul({.a0 = hidden.pixel(0, y, 0),
-                      .a0_stride = kBlock,
                       .a0_block_stride = hidden.block_stride(),
-                      .k0 = heads_[3].in_channels,
+                      .a0_blocks = hidden.blocks,
                       .b = heads_[3].weights.data(),
                       .bias = heads_[3].bias.data(),
                       .c = row,
                       .c_stride = descriptor_size_,
+                      .c_block_stride = kBlock,
                       .columns = descriptor_size_,
-                      .row_begin = 0,
-                      .row_end = trunk.width});
+                      .rows = trunk.width});
     for (int64_t x = 0; x < trunk.width; ++x) {
       NormalizeRow(row + x * descriptor_size_, descriptor_size_);
     }
@@ -227,6 +226,7 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
     }
   }
   DescribeAt(trunk, workspace, buffers, features);
+  workspace.arena.Join();
 }
 
 void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features& features) const {
@@ -244,6 +244,7 @@ void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features
     features.scores[i] = scores[y * width + x];
   }
   DescribeAt(trunk, workspace, buffers, features);
+  workspace.arena.Join();
 }
 
 void SampleDescriptors(TensorView<const float> map, const Features::Points& keypoints,

@@ -29,7 +29,7 @@ SuperPoint::Convolution::Convolution(const Weights& file, const std::string& nam
   }
 
   if (kernel_size == 1) {
-    weights = Tensor<float>({kernels::PackedMatrixFloats(out_channels, in_channels)});
+    weights = Tensor<float>({kernels::PackedMatrixSize<float>(out_channels, in_channels)});
     kernels::PackMatrix(weight.data(), in_channels, out_channels, in_channels, weights.data());
   } else if (in_channels > 1 && kernels.winograd3x3 != nullptr) {
     kernel = kernels.winograd3x3;

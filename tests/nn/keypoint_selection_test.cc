@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 #include <random>
 #include <vector>
 
@@ -135,37 +134,6 @@ TEST(NearestNeighborTest, KeepsMutualPairsAndAppliesItsBounds) {
                Error);
   EXPECT_TRUE(MatchNearestNeighbors(WithDescriptors(Features::RowMajor(0, 2)), features1, {})
                   .matches0.empty());
-}
-
-TEST(ThreadPoolTest, CallsEveryIndexOnce) {
-  for (const int threads : {1, 2, 5}) {
-    ThreadPool pool(threads);
-    EXPECT_EQ(pool.size(), threads);
-    for (const int64_t count : {0, 1, 7, 1000}) {
-      std::vector<int> calls(static_cast<std::size_t>(count), 0);
-      pool.ParallelFor(count, [&](int64_t i, int worker) {
-        ++calls[static_cast<std::size_t>(i)];
-        EXPECT_LT(worker, threads);
-      });
-      EXPECT_EQ(std::accumulate(calls.begin(), calls.end(), int64_t{0}), count);
-      EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](int c) { return c == 1; }));
-    }
-  }
-}
-
-TEST(ArenaTest, AWarmedUpNetworkAsksForNoMoreMemory) {
-  const SuperPoint network(OpenSuperPointWeights());
-  ThreadPool pool(2);
-  Workspace workspace(pool);
-  const std::vector<uint8_t> pixels(160 * 120, 90);
-  for (int i = 0; i < 2; ++i) {
-    network.Dense({pixels.data(), 160, 120, 160}, workspace);
-  }
-  const std::size_t capacity = workspace.arena.capacity();
-  for (int i = 0; i < 3; ++i) {
-    network.Dense({pixels.data(), 160, 120, 160}, workspace);
-    EXPECT_EQ(workspace.arena.capacity(), capacity);
-  }
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ TEST_P(SuperGlueGolden, AssignmentAndMatchesAgree) {
   const Weights golden = ReadGolden(name);
   const Features features0 = GoldenFeatures(golden, "0");
   const Features features1 = GoldenFeatures(golden, "1");
-  const SuperGlue network(WeightsOf(name), isa);
+  const SuperGlue network(WeightsOf(name), Precision::kFloat, isa);
   ThreadPool pool(2);
   Workspace workspace(pool);
 

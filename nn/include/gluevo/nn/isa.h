@@ -11,9 +11,10 @@ enum class Isa {
   kPortable,   ///< Vectors of what every 64-bit CPU has (SSE4 on x86, NEON on Arm).
   kAvx2,       ///< AVX2 with FMA.
   kAvx512,     ///< AVX-512 F, BW, CD, DQ, VL.
+  kAvx512Bf16,  ///< The same with AVX512_BF16: products of bf16 pairs in one instruction.
 };
 
-/// "reference", "portable", "avx2", "avx512".
+/// "reference", "portable", "avx2", "avx512", "avx512_bf16".
 std::string IsaName(Isa isa);
 
 /// What this CPU (and this build) can run, slowest first.

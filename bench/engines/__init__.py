@@ -1,0 +1,1 @@
+"""Times gluevo's networks beside those of inference engines; see ../compare_engines."""

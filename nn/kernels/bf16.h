@@ -1,0 +1,19 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace gluevo::nn::kernels {
+
+/// A bfloat16 is the upper half of a float.
+inline float FromBf16(uint16_t bits) {
+  return std::bit_cast<float>(static_cast<uint32_t>(bits) << 16);
+}
+
+/// To the nearest, ties to even; for finite values.
+inline uint16_t ToBf16(float value) {
+  const uint32_t bits = std::bit_cast<uint32_t>(value);
+  return static_cast<uint16_t>((bits + 0x7FFFU + (bits >> 16 & 1U)) >> 16);
+}
+
+}  // namespace gluevo::nn::kernels

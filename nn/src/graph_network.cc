@@ -1,0 +1,361 @@
+#include "graph_network.h"
+
+#include <algorithm>
+#include <array>
+#include <type_traits>
+
+namespace gluevo::nn {
+namespace {
+
+using kernels::BlocksOf;
+using kernels::ElementBlocks;
+using kernels::kBlock;
+using kernels::kChannelsPer;
+
+// Channels in whole blocks of elements.
+template <typename Element>
+int64_t Padded(int64_t channels) {
+  return ElementBlocks<Element>(channels) * kBlock * kChannelsPer<Element>;
+}
+
+// Heads of `head_size` rows moved to where heads of `padded` rows begin, zeros between them.
+Affine PadHeads(const Affine& affine, int64_t heads, int64_t padded) {
+  const int64_t head_size = affine.bias.size() / heads;
+  Affine result;
+  result.weight.setZero(heads * padded, affine.weight.cols());
+  result.bias.setZero(heads * padded);
+  for (int64_t head = 0; head < heads; ++head) {
+    result.weight.middleRows(head * padded, head_size) =
+        affine.weight.middleRows(head * head_size, head_size);
+    result.bias.segment(head * padded, head_size) =
+        affine.bias.segment(head * head_size, head_size);
+  }
+  return result;
+}
+
+// Where a product's result goes, as the left operand of another one.
+void SetOutput(float* out, int64_t block_stride, kernels::MatMul<float>& product) {
+  product.c = out;
+  product.c_block_stride = block_stride;
+}
+void SetOutput(kernels::Bf16Pair* out, int64_t block_stride,
+               kernels::MatMul<kernels::Bf16Pair>& product) {
+  product.rounded = out;
+  product.rounded_block_stride = block_stride;
+}
+
+}  // namespace
+
+// Rows [begin, begin + rows) of one image, begin a multiple of kBlock.
+template <typename Element>
+struct GraphNetwork<Element>::Band {
+  int image = 0;
+  int64_t begin = 0;
+  int64_t rows = 0;
+};
+
+template <typename Element>
+struct GraphNetwork<Element>::Image {
+  Image(int64_t count_in, int64_t size, int64_t heads_size, Arena& arena)
+      : count(count_in), rows(Padded<Element>(count_in)), stride(rows * kBlock) {
+    const int64_t floats = BlocksOf(size) * stride;
+    const int64_t elements = heads_size / kChannelsPer<Element> * rows;
+    tokens = arena.Allocate<float>({floats}).data();
+    if constexpr (std::is_same_v<Element, float>) {
+      operands = tokens;
+    } else {
+      const int64_t operand_elements = ElementBlocks<Element>(size) * stride;
+      operands = arena.Allocate<Element>({operand_elements}).data();
+      std::fill_n(operands, operand_elements, Element{});
+    }
+    projected = arena.Allocate<float>({floats}).data();
+    q = arena.Allocate<Element>({elements}).data();
+    for (int parity = 0; parity < 2; ++parity) {
+      k[parity] = arena.Allocate<Element>({elements}).data();
+      v[parity] = arena.Allocate<Element>({elements}).data();
+      std::fill_n(v[parity], elements, Element{});
+    }
+  }
+
+  int64_t count;
+  int64_t rows;    // Whole blocks of elements, for values are the elements of a right operand.
+  int64_t stride;  // Elements from a block to the next.
+  float* tokens;
+  Element* operands;  // The tokens as left operand.
+  float* projected;   // Of image 1, packed.
+  Element* q;
+  // Of this layer and of the next.
+  std::array<Element*, 2> k;
+  std::array<Element*, 2> v;
+};
+
+// Of one thread, for one band.
+template <typename Element>
+struct GraphNetwork<Element>::Scratch {
+  float* scores;
+  Element* attended;  // Also keys and values on their way to their places.
+  Element* hidden;
+  std::array<float*, 2> encoder;
+};
+
+template <typename Element>
+template <typename Operand>
+GraphNetwork<Element>::Linear<Operand> GraphNetwork<Element>::Pack(const Affine& affine,
+                                                                   int64_t columns) {
+  using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Matrix weight = affine.weight.template cast<float>();
+  Linear<Operand> linear;
+  linear.blocks0 = ElementBlocks<Operand>(weight.cols());
+  linear.columns = columns;
+  Matrix padded = Matrix::Zero(columns, weight.cols());
+  padded.topRows(weight.rows()) = weight;
+  linear.weights = Tensor<Operand>({kernels::PackedMatrixSize<Operand>(columns, padded.cols())});
+  kernels::PackMatrix(padded.data(), padded.cols(), columns, padded.cols(), linear.weights.data());
+  linear.bias = Tensor<float>({columns});
+  linear.bias.view().Vector().head(affine.bias.size()) = affine.bias.template cast<float>();
+  return linear;
+}
+
+template <typename Element>
+GraphNetwork<Element>::GraphNetwork(const SuperGlueWeights& weights,
+                                    const kernels::Kernels& kernels)
+    : kernels_(&kernels),
+      size_(weights.size),
+      heads_(weights.heads),
+      head_size_(Padded<Element>(weights.size / weights.heads)) {
+  for (const Affine& affine : weights.encoder) {
+    encoder_.push_back(Pack<float>(affine, Padded<float>(affine.bias.size())));
+    widest_ = std::max(widest_, encoder_.back().columns);
+  }
+  for (const SuperGlueWeights::Layer& from : weights.layers) {
+    const auto pack_heads = [&](const Affine& affine) {
+      return Pack<Element>(PadHeads(affine, heads_, head_size_), heads_ * head_size_);
+    };
+    // Token and attention side by side, each in whole blocks of elements.
+    const int64_t token_size = Padded<Element>(size_);
+    const int64_t hidden = from.mlp_token.bias.size();
+    Affine mlp_in;
+    mlp_in.bias = from.mlp_token.bias;
+    mlp_in.weight.setZero(hidden, token_size + heads_ * head_size_);
+    mlp_in.weight.leftCols(size_) = from.mlp_token.weight;
+    const int64_t head_size = size_ / heads_;
+    for (int64_t head = 0; head < heads_; ++head) {
+      mlp_in.weight.middleCols(token_size + head * head_size_, head_size) =
+          from.mlp_attend.weight.middleCols(head * head_size, head_size);
+    }
+    Layer layer = {pack_heads(from.q), pack_heads(from.k), pack_heads(from.v),
+                   Pack<Element>(mlp_in, Padded<Element>(hidden)),
+                   Pack<Element>(from.mlp_out, Padded<Element>(size_))};
+    layer.mlp_in.blocks0 = ElementBlocks<Element>(size_);
+    layer.mlp_in.blocks1 = ElementBlocks<Element>(heads_ * head_size_);
+    hidden_size_ = std::max(hidden_size_, layer.mlp_in.columns);
+    layers_.push_back(std::move(layer));
+  }
+  final_ = Pack<Element>(weights.final_projection, Padded<float>(size_));
+}
+
+template <typename Element>
+template <typename Operand>
+kernels::MatMul<Operand> GraphNetwork<Element>::Product(const Linear<Operand>& linear,
+                                                        const Operand* rows, int64_t block_stride,
+                                                        int64_t count) const {
+  return {.a0 = rows,
+          .a0_block_stride = block_stride,
+          .a0_blocks = linear.blocks0,
+          .b = linear.weights.data(),
+          .bias = linear.bias.data(),
+          .columns = linear.columns,
+          .rows = count};
+}
+
+// Token = descriptor + encoder(position and score).
+template <typename Element>
+void GraphNetwork<Element>::Encode(const Features& features, const Band& band, Image& image,
+                                   Scratch& scratch) const {
+  const int64_t stride = band.rows * kBlock;
+  const auto width = static_cast<float>(features.width);
+  const auto height = static_cast<float>(features.height);
+  const float scale = 0.7F * std::max(width, height);
+  float* const inputs = scratch.encoder[0];
+  std::fill_n(inputs, stride, 0.0F);
+  for (int64_t i = 0; i < band.rows; ++i) {
+    const int64_t row = band.begin + i;
+    inputs[i * kBlock] = (features.keypoints(row, 0) - width / 2.0F) / scale;
+    inputs[i * kBlock + 1] = (features.keypoints(row, 1) - height / 2.0F) / scale;
+    inputs[i * kBlock + 2] = features.scores[row];
+    for (int64_t block = 0; block < BlocksOf(size_); ++block) {
+      float* const token = image.tokens + block * image.stride + row * kBlock;
+      const int64_t channels = std::min<int64_t>(kBlock, size_ - block * kBlock);
+      std::copy_n(&features.descriptors(row, block * kBlock), channels, token);
+      std::fill(token + channels, token + kBlock, 0.0F);
+    }
+  }
+  for (std::size_t i = 0; i < encoder_.size(); ++i) {
+    kernels::MatMul<float> product =
+        Product<float>(encoder_[i], scratch.encoder[i % 2], stride, band.rows);
+    if (i + 1 < encoder_.size()) {
+      product.relu = true;
+      SetOutput(scratch.encoder[(i + 1) % 2], stride, product);
+    } else {
+      product.residual = image.tokens + band.begin * kBlock;
+      SetOutput(image.tokens + band.begin * kBlock, image.stride, product);
+      if constexpr (!std::is_same_v<Element, float>) {
+        product.rounded = image.operands + band.begin * kBlock;
+        product.rounded_block_stride = image.stride;
+      }
+    }
+    kernels_->matmul(product);
+  }
+}
+
+// Queries, keys and values of a layer.
+template <typename Element>
+void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image& image, int parity,
+                                    Scratch& scratch) const {
+  const Element* const rows = image.operands + band.begin * kBlock;
+  const auto multiply = [&](const Linear<Element>& linear, Element* out, int64_t block_stride) {
+    kernels::MatMul<Element> product = Product(linear, rows, image.stride, band.rows);
+    SetOutput(out, block_stride, product);
+    kernels::Multiply(*kernels_, product);
+  };
+  const int64_t blocks = ElementBlocks<Element>(head_size_);
+  const int64_t head_elements = blocks * image.stride;
+  const int64_t band_stride = band.rows * kBlock;
+
+  multiply(layer.q, image.q + band.begin * kBlock, image.stride);
+  multiply(layer.k, scratch.attended, band_stride);
+  for (int64_t head = 0; head < heads_; ++head) {
+    kernels::PackRows(scratch.attended + head * blocks * band_stride, band_stride, blocks,
+                      band.rows,
+                      image.k[parity] + head * head_elements + band.begin * blocks * kBlock);
+  }
+  if constexpr (std::is_same_v<Element, float>) {
+    multiply(layer.v, image.v[parity] + band.begin * kBlock, image.stride);
+  } else {
+    multiply(layer.v, scratch.attended, band_stride);
+    kernels::PackValues(scratch.attended, band_stride, heads_ * blocks, band.rows,
+                        image.v[parity] + band.begin / 2 * kBlock, image.stride / 2);
+  }
+}
+
+template <typename Element>
+void GraphNetwork<Element>::RunLayer(const Layer& layer, const Band& band, Image& image,
+                                     const Image& source, int parity, Scratch& scratch) const {
+  const int64_t blocks = ElementBlocks<Element>(head_size_);
+  const int64_t band_stride = band.rows * kBlock;
+  for (int64_t head = 0; head < heads_; ++head) {
+    kernels::Attend<Element>(*kernels_,
+                             {.q = image.q + head * blocks * image.stride + band.begin * kBlock,
+                              .q_block_stride = image.stride,
+                              .head_blocks = blocks,
+                              .k = source.k[parity] + head * blocks * source.stride,
+                              .v = source.v[parity] + head * blocks * source.stride,
+                              .v_block_stride = source.stride / kChannelsPer<Element>,
+                              .keys = source.count,
+                              .out = scratch.attended + head * blocks * band_stride,
+                              .out_block_stride = band_stride,
+                              .queries = band.rows,
+                              .scratch = scratch.scores});
+  }
+
+  kernels::MatMul<Element> first =
+      Product(layer.mlp_in, image.operands + band.begin * kBlock, image.stride, band.rows);
+  first.a1 = scratch.attended;
+  first.a1_block_stride = band_stride;
+  first.a1_blocks = layer.mlp_in.blocks1;
+  first.relu = true;
+  SetOutput(scratch.hidden, band_stride, first);
+  kernels::Multiply(*kernels_, first);
+
+  kernels::MatMul<Element> second =
+      Product<Element>(layer.mlp_out, scratch.hidden, band_stride, band.rows);
+  second.residual = image.tokens + band.begin * kBlock;
+  second.columns = BlocksOf(size_) * kBlock;
+  second.c = image.tokens + band.begin * kBlock;
+  second.c_block_stride = image.stride;
+  if constexpr (!std::is_same_v<Element, float>) {
+    SetOutput(image.operands + band.begin * kBlock, image.stride, second);
+  }
+  kernels::Multiply(*kernels_, second);
+}
+
+template <typename Element>
+Projected GraphNetwork<Element>::Run(const Features& features0, const Features& features1,
+                                     Workspace& workspace) const {
+  Arena& arena = workspace.arena;
+  ThreadPool& pool = workspace.pool;
+  const std::array<const Features*, 2> features = {&features0, &features1};
+  std::array<Image, 2> images = {Image(features0.size(), size_, heads_ * head_size_, arena),
+                                 Image(features1.size(), size_, heads_ * head_size_, arena)};
+
+  // Bands that keep the register tiles full, and enough of them for all threads.
+  int64_t band_rows = 3 * kBlock;
+  const auto bands_of = [&](int64_t count) { return (count + band_rows - 1) / band_rows; };
+  while (band_rows > kBlock &&
+         bands_of(images[0].count) + bands_of(images[1].count) < 4 * pool.size()) {
+    band_rows -= kBlock;
+  }
+  const int64_t bands0 = bands_of(images[0].count);
+  const int64_t bands = bands0 + bands_of(images[1].count);
+
+  const int64_t most = std::max(images[0].count, images[1].count);
+  const TensorView<float> scores =
+      arena.Allocate<float>({pool.size(), kernels::AttentionScratchFloats(most)});
+  const TensorView<Element> attended = arena.Allocate<Element>(
+      {pool.size(), heads_ * head_size_ / kChannelsPer<Element> * band_rows});
+  const TensorView<Element> hidden =
+      arena.Allocate<Element>({pool.size(), hidden_size_ / kChannelsPer<Element> * band_rows});
+  const TensorView<float> encoder =
+      arena.Allocate<float>({pool.size(), 2 * std::max<int64_t>(widest_, kBlock) * band_rows});
+  const auto for_bands = [&](const auto& f) {
+    pool.ParallelFor(bands, [&](int64_t task, int worker) {
+      const int image = task < bands0 ? 0 : 1;
+      const int64_t begin = (task - image * bands0) * band_rows;
+      const Band band = {image, begin, std::min(band_rows, images[image].count - begin)};
+      float* const encoder_of_worker = encoder.data() + worker * encoder.extent(1);
+      Scratch scratch = {scores.data() + worker * scores.extent(1),
+                         attended.data() + worker * attended.extent(1),
+                         hidden.data() + worker * hidden.extent(1),
+                         {encoder_of_worker, encoder_of_worker + encoder.extent(1) / 2}};
+      f(band, scratch);
+    });
+  };
+
+  for_bands([&](const Band& band, Scratch& scratch) {
+    Image& image = images[band.image];
+    Encode(*features[band.image], band, image, scratch);
+    Project(layers_.front(), band, image, 0, scratch);
+  });
+  for (std::size_t i = 0; i < layers_.size(); ++i) {
+    const bool cross = i % 2 == 1;
+    const int parity = static_cast<int>(i % 2);
+    for_bands([&](const Band& band, Scratch& scratch) {
+      Image& image = images[band.image];
+      RunLayer(layers_[i], band, image, images[cross ? 1 - band.image : band.image], parity,
+               scratch);
+      if (i + 1 < layers_.size()) {
+        Project(layers_[i + 1], band, image, 1 - parity, scratch);
+      }
+    });
+  }
+  for_bands([&](const Band& band, Scratch& scratch) {
+    Image& image = images[band.image];
+    kernels::MatMul<Element> product =
+        Product(final_, image.operands + band.begin * kBlock, image.stride, band.rows);
+    // Of image 0 to its place, of image 1 to be packed.
+    float* const rows = scratch.encoder[0];
+    product.c = band.image == 0 ? image.projected + band.begin * kBlock : rows;
+    product.c_block_stride = band.image == 0 ? image.stride : band.rows * kBlock;
+    kernels::Multiply(*kernels_, product);
+    if (band.image == 1) {
+      kernels::PackRows(rows, band.rows * kBlock, BlocksOf(size_), band.rows,
+                        image.projected + band.begin * BlocksOf(size_) * kBlock);
+    }
+  });
+  return {images[0].projected, images[0].stride, BlocksOf(size_), images[1].projected};
+}
+
+template class GraphNetwork<float>;
+template class GraphNetwork<kernels::Bf16Pair>;
+
+}  // namespace gluevo::nn
