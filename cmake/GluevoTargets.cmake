@@ -13,6 +13,9 @@ if(GLUEVO_SANITIZE)
     -fsanitize=${GLUEVO_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(gluevo_build_flags INTERFACE -fsanitize=${GLUEVO_SANITIZE})
 endif()
+if(GLUEVO_FUZZ)
+  target_compile_options(gluevo_build_flags INTERFACE -fsanitize=fuzzer-no-link)
+endif()
 
 # gluevo_add_layer(NAME SOURCES...): the library gluevo_NAME (gluevo::NAME), whose public headers
 # are the layer's include/ folder; they are installed with it.

@@ -1,4 +1,4 @@
-#include "bytes.h"
+#include "gluevo/nn/bytes.h"
 
 #include <cstring>
 

@@ -1,4 +1,4 @@
-#include "elements.h"
+#include "gluevo/nn/elements.h"
 
 #include <cmath>
 #include <cstring>
@@ -8,23 +8,30 @@
 namespace gluevo::nn {
 namespace {
 
+[[noreturn]] void RefuseValue(const Bytes& bytes, uint64_t at, const std::string& name,
+                              float value) {
+  bytes.Fail(at, "tensor " + Quoted(name) + " holds " +
+                     (std::isnan(value) ? "NaN" : "an infinite value") +
+                     ", expected finite weights");
+}
+
 template <typename Stored, typename Widen>
-void Read(const Bytes& bytes, const std::string& name, Tensor<float>& tensor, Widen widen) {
-  if (bytes.size() != static_cast<uint64_t>(tensor.size()) * sizeof(Stored)) {
-    bytes.Fail(0, "tensor " + Quoted(name) + " of shape " + tensor.shape().ToString() + " has " +
-                      std::to_string(bytes.size()) + " bytes, expected " +
-                      std::to_string(static_cast<uint64_t>(tensor.size()) * sizeof(Stored)));
+float ReadValue(const Bytes& bytes, uint64_t at, const std::string& name, Widen widen) {
+  Stored stored;
+  std::memcpy(&stored, bytes.data() + at, sizeof(Stored));
+  const float value = widen(stored);
+  if (!std::isfinite(value)) {
+    RefuseValue(bytes, at, name, value);
   }
-  for (int64_t i = 0; i < tensor.size(); ++i) {
-    Stored stored;
-    std::memcpy(&stored, bytes.data() + i * sizeof(Stored), sizeof(Stored));
-    const float value = widen(stored);
-    if (!std::isfinite(value)) {
-      bytes.Fail(i * sizeof(Stored), "tensor " + Quoted(name) + " holds " +
-                                         (std::isnan(value) ? "NaN" : "an infinite value") +
-                                         ", expected finite weights");
-    }
-    tensor[i] = value;
+  return value;
+}
+
+template <typename Stored, typename Widen>
+void ReadRow(const Bytes& bytes, uint64_t first, int64_t stride, int64_t count,
+             const std::string& name, float* to, Widen widen) {
+  for (int64_t i = 0; i < count; ++i) {
+    to[i] = ReadValue<Stored>(bytes, (first + static_cast<uint64_t>(i * stride)) * sizeof(Stored),
+                              name, widen);
   }
 }
 
@@ -34,6 +41,46 @@ float Narrow(double value) {
     return std::numeric_limits<float>::infinity();
   }
   return static_cast<float>(value);
+}
+
+bool InOrder(const Shape& shape, const Strides& strides) {
+  const Strides expected = RowMajorStrides(shape);
+  for (int axis = 0; axis < shape.rank(); ++axis) {
+    if (shape[axis] > 1 && strides[axis] != expected[axis]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// Refuses elements outside the storage; the shape is of one element at least.
+void CheckReach(const Bytes& storage, ElementType type, const Shape& shape, const Strides& strides,
+                uint64_t offset, const std::string& name) {
+  const uint64_t there = storage.size() / ElementSize(type);
+  if (static_cast<uint64_t>(shape.size()) > there) {
+    storage.Fail(0, "tensor " + Quoted(name) + " of shape " + shape.ToString() +
+                        " has more elements than its storage, which has " + std::to_string(there));
+  }
+  const auto refuse = [&] {
+    storage.Fail(0, "tensor " + Quoted(name) + " of shape " + shape.ToString() +
+                        " reaches beyond its storage of " + std::to_string(there) + " elements");
+  };
+  if (offset >= there) {
+    refuse();
+  }
+  uint64_t last = offset;
+  for (int axis = 0; axis < shape.rank(); ++axis) {
+    if (strides[axis] < 0) {
+      storage.Fail(0, "tensor " + Quoted(name) + " has a negative stride");
+    }
+    const auto steps = static_cast<uint64_t>(shape[axis] - 1);
+    const auto stride = static_cast<uint64_t>(strides[axis]);
+    // A product beyond the storage is refused before it can overflow.
+    if (steps > 0 && stride > (there - 1 - last) / steps) {
+      refuse();
+    }
+    last += steps * stride;
+  }
 }
 
 }  // namespace
@@ -51,24 +98,63 @@ std::size_t ElementSize(ElementType type) {
   throw Error("an element type that does not exist");
 }
 
-Tensor<float> ReadElements(const Bytes& bytes, ElementType type, const Shape& shape,
-                           const std::string& name) {
+Strides RowMajorStrides(const Shape& shape) {
+  Strides strides = {};
+  int64_t stride = 1;
+  for (int axis = shape.rank() - 1; axis >= 0; --axis) {
+    strides[axis] = stride;
+    stride *= shape[axis];
+  }
+  return strides;
+}
+
+Tensor<float> ReadStrided(const Bytes& storage, ElementType type, const Shape& shape,
+                          const Strides& strides, uint64_t offset, const std::string& name) {
+  if (shape.size() > 0) {
+    CheckReach(storage, type, shape, strides, offset, name);
+  }
   Tensor<float> tensor(shape);
-  switch (type) {
-    case ElementType::kF16:
-      Read<uint16_t>(bytes, name, tensor, HalfToFloat);
-      break;
-    case ElementType::kBF16:
-      Read<uint16_t>(bytes, name, tensor, Bfloat16ToFloat);
-      break;
-    case ElementType::kF32:
-      Read<float>(bytes, name, tensor, [](float value) { return value; });
-      break;
-    case ElementType::kF64:
-      Read<double>(bytes, name, tensor, Narrow);
-      break;
+  // Elements in their order are one long row.
+  const bool in_order = InOrder(shape, strides);
+  const int inner = in_order ? 0 : shape.rank() - 1;
+  const int64_t row = in_order ? shape.size() : shape[inner];
+  const int64_t step = in_order ? 1 : strides[inner];
+  int64_t index[Shape::kMaxRank] = {};
+  for (int64_t done = 0; done < tensor.size(); done += row) {
+    uint64_t first = offset;
+    for (int axis = 0; axis < inner; ++axis) {
+      first += static_cast<uint64_t>(index[axis] * strides[axis]);
+    }
+    float* const to = tensor.data() + done;
+    switch (type) {
+      case ElementType::kF16:
+        ReadRow<uint16_t>(storage, first, step, row, name, to, HalfToFloat);
+        break;
+      case ElementType::kBF16:
+        ReadRow<uint16_t>(storage, first, step, row, name, to, Bfloat16ToFloat);
+        break;
+      case ElementType::kF32:
+        ReadRow<float>(storage, first, step, row, name, to, [](float value) { return value; });
+        break;
+      case ElementType::kF64:
+        ReadRow<double>(storage, first, step, row, name, to, Narrow);
+        break;
+    }
+    for (int axis = inner - 1; axis >= 0 && ++index[axis] == shape[axis]; --axis) {
+      index[axis] = 0;
+    }
   }
   return tensor;
+}
+
+Tensor<float> ReadElements(const Bytes& bytes, ElementType type, const Shape& shape,
+                           const std::string& name) {
+  const uint64_t needed = static_cast<uint64_t>(shape.size()) * ElementSize(type);
+  if (bytes.size() != needed) {
+    bytes.Fail(0, "tensor " + Quoted(name) + " of shape " + shape.ToString() + " has " +
+                      std::to_string(bytes.size()) + " bytes, expected " + std::to_string(needed));
+  }
+  return ReadStrided(bytes, type, shape, RowMajorStrides(shape), 0, name);
 }
 
 bool IsTrainingCounter(const std::string& name) {

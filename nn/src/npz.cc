@@ -1,260 +1,26 @@
 #include "npz.h"
 
-#include <cstring>
-#include <set>
 #include <string_view>
-#include <vector>
+#include <utility>
 
-#include "elements.h"
-#include "zip.h"
+#include "gluevo/nn/npy.h"
+#include "gluevo/nn/zip.h"
 
 namespace gluevo::nn {
-namespace {
-
-constexpr std::string_view kMagic = "\x93NUMPY";
-
-struct NpyHeader {
-  std::string descr;
-  bool fortran_order = false;
-  std::vector<int64_t> shape;
-};
-
-/// Parses the Python dictionary of a .npy header, and nothing else that Python could say.
-class NpyHeaderParser {
- public:
-  NpyHeaderParser(const Bytes& text, const std::string& name) : text_(text), name_(name) {}
-
-  NpyHeader Parse() {
-    NpyHeader header;
-    std::set<std::string> keys;
-    Expect('{');
-    while (!Accept('}')) {
-      const uint64_t at = position_;
-      const std::string key = ParseString("a key");
-      if (!keys.insert(key).second) {
-        Fail(at, "the key " + Quoted(key) + " comes twice");
-      }
-      Expect(':');
-      if (key == "descr") {
-        header.descr = ParseString("an element type");
-      } else if (key == "fortran_order") {
-        header.fortran_order = ParseBoolean();
-      } else if (key == "shape") {
-        header.shape = ParseShape();
-      } else {
-        Fail(at, "an unknown key " + Quoted(key));
-      }
-      if (!Accept(',')) {
-        Expect('}');
-        break;
-      }
-    }
-    SkipBlanks();
-    if (position_ != text_.size()) {
-      Fail(position_, "text after the dictionary");
-    }
-    for (const char* key : {"descr", "fortran_order", "shape"}) {
-      if (!keys.contains(key)) {
-        Fail(0, std::string("no key \"") + key + "\"");
-      }
-    }
-    return header;
-  }
-
- private:
-  [[noreturn]] void Fail(uint64_t at, const std::string& what) const {
-    text_.Fail(at, "the header of array " + Quoted(name_) + " has " + what);
-  }
-
-  char Peek() const {
-    return position_ < text_.size() ? static_cast<char>(text_.data()[position_]) : '\0';
-  }
-  void SkipBlanks() {
-    while (Peek() == ' ' || Peek() == '\n') {
-      ++position_;
-    }
-  }
-  bool Accept(char wanted) {
-    SkipBlanks();
-    if (Peek() != wanted) {
-      return false;
-    }
-    ++position_;
-    return true;
-  }
-  void Expect(char wanted) {
-    if (!Accept(wanted)) {
-      Fail(position_, std::string("no '") + wanted + "' here");
-    }
-  }
-
-  std::string ParseString(const std::string& what) {
-    SkipBlanks();
-    const uint64_t start = position_;
-    const char quote = Peek();
-    if (quote != '\'' && quote != '"') {
-      Fail(start, "no string here, expected " + what);
-    }
-    std::string value;
-    for (++position_; Peek() != quote; ++position_) {
-      if (position_ >= text_.size() || Peek() == '\\' || Peek() == '\n') {
-        Fail(start, "a broken string");
-      }
-      value += Peek();
-    }
-    ++position_;
-    return value;
-  }
-
-  bool ParseBoolean() {
-    SkipBlanks();
-    const std::string_view rest(reinterpret_cast<const char*>(text_.data()) + position_,
-                                text_.size() - position_);
-    for (const bool value : {false, true}) {
-      const std::string_view word = value ? "True" : "False";
-      if (rest.starts_with(word)) {
-        position_ += word.size();
-        return value;
-      }
-    }
-    Fail(position_, "neither True nor False here");
-  }
-
-  std::vector<int64_t> ParseShape() {
-    std::vector<int64_t> shape;
-    Expect('(');
-    bool comma = true;
-    while (!Accept(')')) {
-      if (!comma) {
-        Fail(position_, "no ',' here");
-      }
-      shape.push_back(ParseExtent());
-      comma = Accept(',');
-    }
-    // (5) is a number in Python, not a tuple.
-    if (shape.size() == 1 && !comma) {
-      Fail(position_ - 1, "no ',' here");
-    }
-    return shape;
-  }
-
-  int64_t ParseExtent() {
-    SkipBlanks();
-    const uint64_t start = position_;
-    int64_t value = 0;
-    while (Peek() >= '0' && Peek() <= '9') {
-      constexpr int64_t kLargest = int64_t{1} << 58;
-      if (value > kLargest) {
-        Fail(start, "an extent that overflows");
-      }
-      value = value * 10 + (Peek() - '0');
-      ++position_;
-    }
-    if (position_ == start) {
-      Fail(start, "no number here");
-    }
-    return value;
-  }
-
-  const Bytes& text_;
-  const std::string& name_;
-  uint64_t position_ = 0;
-};
-
-/// A .npy file taken apart; its data are as many bytes as shape and type need.
-struct Npy {
-  std::string descr;
-  Shape shape;
-  bool fortran_order = false;
-  Bytes data;
-};
-
-constexpr std::string_view kCounterType = "<i8";
-
-Npy TakeApart(const Bytes& file, const std::string& name) {
-  const std::string what = "array " + Quoted(name);
-  const Bytes magic = file.Slice(0, kMagic.size() + 2, what);
-  if (std::memcmp(magic.data(), kMagic.data(), kMagic.size()) != 0) {
-    file.Fail(0, what + " does not begin as a .npy file");
-  }
-  const int major = magic.data()[kMagic.size()];
-  const int minor = magic.data()[kMagic.size() + 1];
-  if (major < 1 || major > 3 || minor != 0) {
-    file.Fail(kMagic.size(), what + " has .npy format " + std::to_string(major) + "." +
-                                 std::to_string(minor) + ", expected 1.0 to 3.0");
-  }
-  const uint64_t length_at = magic.size();
-  const uint64_t length_size = major == 1 ? 2 : 4;
-  const uint64_t length =
-      major == 1 ? file.U16(length_at, what) : uint64_t{file.U32(length_at, what)};
-  const uint64_t text_at = length_at + length_size;
-  const Bytes text = file.Slice(text_at, length, "the header of " + what);
-  const NpyHeader header = NpyHeaderParser(text, name).Parse();
-
-  std::size_t width = 0;
-  if (header.descr == "<f4" || header.descr == "<f2" || header.descr == "<f8") {
-    width = static_cast<std::size_t>(header.descr[2] - '0');
-  } else if (header.descr == kCounterType && IsTrainingCounter(name)) {
-    width = sizeof(int64_t);
-  } else {
-    const bool big_endian = header.descr.starts_with('>');
-    text.Fail(0, what + " has element type " + Quoted(header.descr) +
-                     (big_endian ? " (big-endian)" : "") + ", expected '<f4', '<f2' or '<f8'");
-  }
-  Shape shape;
-  try {
-    shape = Shape(header.shape.data(), header.shape.size());
-  } catch (const Error& error) {
-    text.Fail(0, what + ": " + error.what());
-  }
-  const uint64_t data_at = text_at + length;
-  const uint64_t needed = static_cast<uint64_t>(shape.size()) * width;
-  const Bytes data = file.Slice(data_at, needed, what);
-  if (file.size() - data_at != needed) {
-    file.Fail(data_at + needed,
-              what + " has " + std::to_string(file.size() - data_at - needed) + " trailing bytes");
-  }
-  return {header.descr, shape, header.fortran_order, data};
-}
-
-Tensor<float> Elements(const Npy& npy, const std::string& name) {
-  const ElementType type = npy.descr == "<f4"   ? ElementType::kF32
-                           : npy.descr == "<f2" ? ElementType::kF16
-                                                : ElementType::kF64;
-  Tensor<float> as_stored = ReadElements(npy.data, type, npy.shape, name);
-  if (!npy.fortran_order) {
-    return as_stored;
-  }
-  // Stored with the first axis fastest; `stored` follows the row-major index.
-  const Shape& shape = npy.shape;
-  Tensor<float> tensor(shape);
-  int64_t index[Shape::kMaxRank] = {};
-  for (int64_t i = 0; i < tensor.size(); ++i) {
-    int64_t stored = 0;
-    for (int axis = shape.rank() - 1; axis >= 0; --axis) {
-      stored = stored * shape[axis] + index[axis];
-    }
-    tensor[i] = as_stored[stored];
-    for (int axis = shape.rank() - 1; axis >= 0 && ++index[axis] == shape[axis]; --axis) {
-      index[axis] = 0;
-    }
-  }
-  return tensor;
-}
-
-}  // namespace
 
 void ParseNpz(const Bytes& file, Weights& weights) {
   for (const ZipEntry& entry : ReadZipDirectory(file)) {
     constexpr std::string_view kSuffix = ".npy";
     if (!std::string_view(entry.name).ends_with(kSuffix) || entry.name.size() == kSuffix.size()) {
-      file.Fail(entry.at, "entry " + Quoted(entry.name) + " of the archive is no .npy array");
+      file.Fail(
+          entry.at,
+          "entry " + Quoted(entry.name) + " of the archive is no .npy array" +
+              (entry.name.ends_with(".pkl") ? ": gluevo-weights converts PyTorch's files" : ""));
     }
     const std::string name = entry.name.substr(0, entry.name.size() - kSuffix.size());
     const ZipData data(entry);
-    const Npy npy = TakeApart(data.bytes(), name);
-    if (npy.descr != kCounterType) {
-      weights.tensors.emplace(name, Elements(npy, name));
+    if (std::optional<Tensor<float>> tensor = ParseNpy(data.bytes(), name)) {
+      weights.tensors.emplace(name, *std::move(tensor));
     }
   }
 }

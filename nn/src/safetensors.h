@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bytes.h"
+#include "gluevo/nn/bytes.h"
 #include "gluevo/nn/weights.h"
 
 namespace gluevo::nn {

@@ -1,10 +1,9 @@
-#include "zip.h"
+#include "gluevo/nn/zip.h"
 
 #define ZLIB_CONST  // zlib then takes its input as constant.
 #include <zlib.h>
 
 #include <algorithm>
-#include <cstring>
 #include <set>
 
 #include "gluevo/nn/error.h"
@@ -18,6 +17,10 @@ constexpr uint32_t kEndSignature = 0x06054b50;
 constexpr uint64_t kLocalSize = 30;
 constexpr uint64_t kCentralSize = 46;
 constexpr uint64_t kEndSize = 22;
+constexpr uint32_t kEnd64Signature = 0x06064b50;
+constexpr uint64_t kEnd64Size = 56;
+constexpr uint32_t kLocator64Signature = 0x07064b50;
+constexpr uint64_t kLocator64Size = 20;
 constexpr uint32_t kZip64Mark = 0xffffffff;
 constexpr uint16_t kEncrypted = 1U << 0;
 constexpr uint16_t kDescriptorFollows = 1U << 3;
@@ -45,6 +48,69 @@ uint64_t FindEnd(const Bytes& file) {
   }
   file.Fail(file.size(),
             "the zip archive has no end record here: it is cut short or has trailing bytes");
+}
+
+struct Directory {
+  uint64_t count = 0;
+  uint64_t at = 0;
+  uint64_t end = 0;
+};
+
+// The end record's numbers, or those of the zip64 end record before it: PyTorch writes one always.
+Directory FindDirectory(const Bytes& file) {
+  const uint64_t end = FindEnd(file);
+  const Bytes record = file.Slice(end, kEndSize, "the end record");
+  const uint16_t count = record.U16(10, "the end record");
+  const uint32_t size = record.U32(12, "the end record");
+  const uint32_t at = record.U32(16, "the end record");
+  if (record.U16(4, "") != 0 || record.U16(6, "") != 0 || record.U16(8, "") != count) {
+    file.Fail(end, "the zip archive is spread over several disks");
+  }
+  const auto refuse = [&file](uint64_t place, uint64_t directory_size, uint64_t directory_at) {
+    file.Fail(place, "the central directory is said to be " + std::to_string(directory_size) +
+                         " bytes at byte " + std::to_string(directory_at) +
+                         ", expected it to end here");
+  };
+  if (end < kLocator64Size + kEnd64Size ||
+      file.U32(end - kLocator64Size, "") != kLocator64Signature) {
+    if (count == 0xffff || size == kZip64Mark || at == kZip64Mark) {
+      file.Fail(end, "the zip archive is in the zip64 form but has no zip64 end record");
+    }
+    if (uint64_t{at} + size != end) {
+      refuse(end, size, at);
+    }
+    return {count, at, end};
+  }
+
+  const uint64_t end64 = end - kLocator64Size - kEnd64Size;
+  const std::string what = "the zip64 end record";
+  const Bytes locator = file.Slice(end - kLocator64Size, kLocator64Size, what);
+  const Bytes record64 = file.Slice(end64, kEnd64Size, what);
+  if (locator.U32(4, what) != 0 || locator.U64(8, what) != end64 || locator.U32(16, what) != 1 ||
+      record64.U32(0, what) != kEnd64Signature || record64.U64(4, what) != kEnd64Size - 12 ||
+      record64.U32(16, what) != 0 || record64.U32(20, what) != 0) {
+    file.Fail(end64, what + " is not here as its locator says");
+  }
+  const uint64_t count64 = record64.U64(32, what);
+  const uint64_t size64 = record64.U64(40, what);
+  const uint64_t at64 = record64.U64(48, what);
+  if (record64.U64(24, what) != count64 || (count != 0xffff && count != count64) ||
+      (size != kZip64Mark && size != size64) || (at != kZip64Mark && at != at64)) {
+    file.Fail(end64, what + " contradicts the end record");
+  }
+  if (size64 > end64 || at64 != end64 - size64) {
+    refuse(end64, size64, at64);
+  }
+  return {count64, at64, end64};
+}
+
+// Nothing is ever written under these names; an archive with such ones was not made for weights.
+void CheckName(const Bytes& file, uint64_t at, const std::string& name) {
+  const std::string padded = "/" + name + "/";
+  if (name.empty() || name.starts_with('/') || name.find('\\') != std::string::npos ||
+      name.find('\0') != std::string::npos || padded.find("/../") != std::string::npos) {
+    file.Fail(at, "the name " + Quoted(name) + " leads out of the archive");
+  }
 }
 
 // Where the data of an entry begin, after its local header; the header must agree with the entry.
@@ -97,22 +163,9 @@ void CheckBombs(const Bytes& file, const std::vector<ZipEntry>& entries) {
 }  // namespace
 
 std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
-  const uint64_t end = FindEnd(file);
-  const Bytes record = file.Slice(end, kEndSize, "the end record");
-  const uint16_t count = record.U16(10, "the end record");
-  const uint32_t directory_size = record.U32(12, "the end record");
-  const uint32_t directory_at = record.U32(16, "the end record");
-  if (count == 0xffff || directory_size == kZip64Mark || directory_at == kZip64Mark) {
-    file.Fail(end, "the zip archive is in the zip64 form, expected one below 4 GB");
-  }
-  if (record.U16(4, "") != 0 || record.U16(6, "") != 0 || record.U16(8, "") != count) {
-    file.Fail(end, "the zip archive is spread over several disks");
-  }
-  if (uint64_t{directory_at} + directory_size != end) {
-    file.Fail(end, "the central directory is said to be " + std::to_string(directory_size) +
-                       " bytes at byte " + std::to_string(directory_at) +
-                       ", expected it to end here");
-  }
+  const Directory directory = FindDirectory(file);
+  const uint64_t directory_at = directory.at;
+  const uint64_t end = directory.end;
 
   struct Placed {
     ZipEntry entry;
@@ -122,7 +175,7 @@ std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
   std::vector<Placed> placed;
   std::set<std::string> names;
   uint64_t at = directory_at;
-  for (int i = 0; i < count; ++i) {
+  for (uint64_t i = 0; i < directory.count; ++i) {
     const std::string what = "entry " + std::to_string(i) + " of the central directory";
     const Bytes central = file.Slice(at, kCentralSize, what);
     if (at + kCentralSize > end || central.U32(0, what) != kCentralSignature) {
@@ -141,6 +194,7 @@ std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
     const uint16_t method = central.U16(10, what);
     const uint32_t packed = central.U32(20, what);
     const uint32_t size = central.U32(24, what);
+    CheckName(file, at, name);
     if (!names.insert(name).second) {
       file.Fail(at, "the name " + Quoted(name) + " comes twice");
     }
@@ -209,53 +263,6 @@ std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
   }
   CheckBombs(file, entries);
   return entries;
-}
-
-namespace {
-
-std::unique_ptr<unsigned char[]> Inflate(const ZipEntry& entry) {
-  const std::string subject = "entry " + Quoted(entry.name);
-  // One byte more than wanted, so that a stream that goes on is noticed.
-  auto inflated = std::make_unique<unsigned char[]>(entry.size + 1);
-  z_stream stream = {};
-  if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) {
-    throw Error("zlib cannot be started");
-  }
-  stream.next_in = entry.stored.data();
-  stream.avail_in = static_cast<uInt>(entry.stored.size());
-  stream.next_out = inflated.get();
-  stream.avail_out = static_cast<uInt>(entry.size + 1);
-  const int result = inflate(&stream, Z_FINISH);
-  const uint64_t consumed = entry.stored.size() - stream.avail_in;
-  const uint64_t produced = stream.total_out;
-  inflateEnd(&stream);
-  if (produced > entry.size) {
-    entry.stored.Fail(consumed, subject + " inflates to more than the " +
-                                    std::to_string(entry.size) + " bytes of its header");
-  }
-  if (result != Z_STREAM_END) {
-    entry.stored.Fail(consumed, subject + " is not a whole deflate stream");
-  }
-  if (produced != entry.size) {
-    entry.stored.Fail(consumed, subject + " inflates to " + std::to_string(produced) +
-                                    " bytes, expected " + std::to_string(entry.size));
-  }
-  if (consumed != entry.stored.size()) {
-    entry.stored.Fail(consumed, subject + " has " + std::to_string(entry.stored.size() - consumed) +
-                                    " trailing bytes after its deflate stream");
-  }
-  return inflated;
-}
-
-}  // namespace
-
-ZipData::ZipData(const ZipEntry& entry)
-    : inflated_(entry.deflated ? Inflate(entry) : nullptr),
-      bytes_(entry.deflated ? entry.stored.Inflated(inflated_.get(), entry.size) : entry.stored) {
-  const uLong crc = crc32_z(crc32(0, nullptr, 0), bytes_.data(), bytes_.size());
-  if (crc != entry.crc) {
-    entry.stored.Fail(0, "entry " + Quoted(entry.name) + " fails its CRC: the file is damaged");
-  }
 }
 
 }  // namespace gluevo::nn

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "elements.h"
+#include "gluevo/nn/elements.h"
 #include "weight_files.h"
 
 namespace gluevo::nn {
@@ -97,6 +97,14 @@ TEST(SafetensorsTest, RefusesNanAndInfinityAtTheirOffset) {
                 "holds an infinite value");
 }
 
+TEST(SafetensorsTest, NarrowsDouble) {
+  const std::string f64 = R"("dtype":"F64","shape":[2],"data_offsets":[0,16])";
+  const auto bits = [](double value) { return Le(std::bit_cast<uint64_t>(value)); };
+  const Weights weights = Parse(One(f64, bits(0.1) + bits(-1e-50)));
+  EXPECT_EQ(Values(weights.tensors.begin()->second), (std::vector<float>{0.1F, -0.0F}));
+  ExpectRefused(One(f64, bits(1) + bits(1e39)), One(f64, "").size() + 8, "holds an infinite value");
+}
+
 TEST(SafetensorsTest, RefusesHeaderLengthsOutOfBounds) {
   ExpectRefused("", 0, "is empty");
   ExpectRefused("abc", 0, "the header length is cut short");
@@ -168,10 +176,11 @@ TEST(SafetensorsTest, RefusesOffsetListsThatAreTooShort) {
 }
 
 TEST(SafetensorsTest, RefusesOtherElementTypesByName) {
-  for (const char* type : {"F64", "I8", "U8", "BOOL", "I64", "F8_E4M3", "f32", ""}) {
+  for (const char* type : {"I8", "U8", "BOOL", "I64", "F8_E4M3", "f32", ""}) {
     ExpectRefused(One("\"dtype\":\"" + std::string(type) + R"(","shape":[1],"data_offsets":[0,8])",
                       std::string(8, '\0')),
-                  9, "has element type \"" + std::string(type) + "\", expected F32, F16 or BF16");
+                  9,
+                  "has element type \"" + std::string(type) + "\", expected F32, F16, BF16 or F64");
   }
 }
 

@@ -39,6 +39,16 @@ class Taker {
     return output;
   }
 
+  /// Takes NAME.scale and NAME.shift where they are there; false where both lack.
+  bool TakeAffine(const std::string& name, int64_t channels) {
+    if (!weights_.Has(name + ".scale") && !weights_.Has(name + ".shift")) {
+      return false;
+    }
+    Take(name + ".scale", Shape{channels});
+    Take(name + ".shift", Shape{channels});
+    return true;
+  }
+
   void TakeBatchNorm(const std::string& name, int64_t channels) {
     for (const char* part : {".weight", ".bias", ".running_mean", ".running_var"}) {
       Take(name + part, Shape{channels});
@@ -75,11 +85,14 @@ SuperPointArchitecture ReadSuperPoint(const Weights& weights) {
   for (const char* name :
        {"conv1a", "conv1b", "conv2a", "conv2b", "conv3a", "conv3b", "conv4a", "conv4b"}) {
     channels = taker.TakeConvolution(name, channels, 4, 3);
+    architecture.affine_layers += taker.TakeAffine(name, channels) ? 1 : 0;
     architecture.widths[i++] = channels;
   }
   architecture.detector_width = taker.TakeConvolution("convPa", channels, 4, 3);
+  architecture.affine_layers += taker.TakeAffine("convPa", architecture.detector_width) ? 1 : 0;
   taker.TakeConvolution("convPb", architecture.detector_width, 4, 1, kCellAndDustbin);
   architecture.descriptor_width = taker.TakeConvolution("convDa", channels, 4, 3);
+  architecture.affine_layers += taker.TakeAffine("convDa", architecture.descriptor_width) ? 1 : 0;
   architecture.descriptor_size =
       taker.TakeConvolution("convDb", architecture.descriptor_width, 4, 1);
   taker.CheckNothingIsLeft("SuperPoint");
@@ -89,12 +102,10 @@ SuperPointArchitecture ReadSuperPoint(const Weights& weights) {
 void ReadHeads(const Weights& weights, SuperGlueArchitecture& architecture) {
   const auto found = weights.metadata.find("heads");
   if (found != weights.metadata.end()) {
-    const std::string& text = found->second;
-    const auto [end, code] =
-        std::from_chars(text.data(), text.data() + text.size(), architecture.heads);
-    if (code != std::errc() || end != text.data() + text.size() || architecture.heads < 1) {
-      throw Error(weights.source + ": metadata \"heads\" is " + Quoted(text) +
-                  ", expected a positive number");
+    try {
+      architecture.heads = ParseHeads(found->second);
+    } catch (const Error& error) {
+      throw Error(weights.source + ": " + error.what());
     }
     architecture.heads_assumed = false;
   }
@@ -154,6 +165,15 @@ std::string Join(const Numbers& numbers) {
 
 }  // namespace
 
+int64_t ParseHeads(const std::string& text) {
+  int64_t heads = 0;
+  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), heads);
+  if (code != std::errc() || end != text.data() + text.size() || heads < 1) {
+    throw Error("metadata \"heads\" is " + Quoted(text) + ", expected a positive number");
+  }
+  return heads;
+}
+
 Architecture ReadArchitecture(const Weights& weights) {
   const bool superpoint = weights.Has("conv1a.weight");
   const bool superglue = weights.Has("final_proj.weight");
@@ -182,6 +202,9 @@ std::map<std::string, std::string> ArchitectureMetadata(const Architecture& arch
     metadata["detector_width"] = std::to_string(superpoint->detector_width);
     metadata["descriptor_width"] = std::to_string(superpoint->descriptor_width);
     metadata["descriptor_size"] = std::to_string(superpoint->descriptor_size);
+    if (superpoint->affine_layers > 0) {
+      metadata["affine_layers"] = std::to_string(superpoint->affine_layers);
+    }
   } else if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&architecture)) {
     metadata["keypoint_encoder"] = Join(superglue->keypoint_encoder);
     metadata["descriptor_size"] = std::to_string(superglue->descriptor_size);

@@ -5,6 +5,7 @@
 #include "containers.h"
 #include "dialects.h"
 #include "gluevo/weights_tools/architecture.h"
+#include "provenance.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -12,69 +13,128 @@ namespace {
 constexpr const char* kConverter = "gluevo-weights " GLUEVO_VERSION;
 
 // One set of tensors from all files; of metadata, the first file's count.
-nn::Weights Merge(std::vector<nn::Weights> parts) {
-  nn::Weights merged = std::move(parts.front());
+Container Merge(std::vector<Container> parts) {
+  Container merged = std::move(parts.front());
+  nn::Weights& weights = merged.weights;
   for (std::size_t i = 1; i < parts.size(); ++i) {
-    for (auto& [name, tensor] : parts[i].tensors) {
-      if (!merged.tensors.emplace(name, std::move(tensor)).second) {
-        throw Error(parts[i].source + ": tensor " + Quoted(name) +
-                    " is in an earlier input file too");
+    nn::Weights& part = parts[i].weights;
+    for (auto& [name, tensor] : part.tensors) {
+      if (!weights.tensors.emplace(name, std::move(tensor)).second) {
+        throw Error(part.source + ": tensor " + Quoted(name) + " is in an earlier input file too");
       }
     }
-    merged.source += " + " + parts[i].source;
+    weights.source += " + " + part.source;
   }
   return merged;
 }
 
+// Of all parts; the dialect is not known yet.
 std::map<std::string, std::string> FreshMetadata(const std::vector<std::filesystem::path>& inputs,
-                                                 const std::vector<nn::Weights>& parts) {
-  std::map<std::string, std::string> metadata = {
-      {"converter", kConverter}, {"dialect", "published"}, {"licence", "not stated"}};
-  for (const char* name : {"heads", "licence", "note", "source"}) {
-    const auto found = parts.front().metadata.find(name);
-    if (found != parts.front().metadata.end()) {
+                                                 const std::vector<Container>& parts) {
+  std::map<std::string, std::string> metadata = {{"converter", kConverter},
+                                                 {"source_form", parts.front().form}};
+  const nn::Weights& first = parts.front().weights;
+  for (const char* name : {"heads", "licence", "note", "source", "descriptors"}) {
+    const auto found = first.metadata.find(name);
+    if (found != first.metadata.end()) {
       metadata[name] = found->second;
     }
   }
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const char* separator = i > 0 ? " " : "";
     metadata["source_file"] += separator + inputs[i].filename().string();
-    metadata["source_sha256"] += separator + parts[i].checksum;
+    metadata["source_sha256"] += separator + parts[i].weights.checksum;
   }
   return metadata;
 }
 
+int64_t Heads(const std::map<std::string, std::string>& metadata, const ConvertOptions& options) {
+  if (options.heads) {
+    return *options.heads;
+  }
+  const auto found = metadata.find("heads");
+  return found == metadata.end() ? kPublishedHeads : ParseHeads(found->second);
+}
+
+bool WasConverted(const std::vector<Container>& parts) {
+  const auto& metadata = parts.front().weights.metadata;
+  const auto found = metadata.find("converter");
+  return parts.size() == 1 && found != metadata.end() &&
+         found->second.starts_with("gluevo-weights ");
+}
+
+// `fresh` where the metadata are not yet those of a conversion, which tells all of this itself.
+void Describe(CanonicalNetwork& network, std::map<std::string, std::string> metadata, bool fresh,
+              const ConvertOptions& options) {
+  nn::Weights& weights = network.weights;
+  weights.metadata = std::move(metadata);
+  if (options.heads) {
+    weights.metadata["heads"] = std::to_string(*options.heads);
+  }
+  const Architecture architecture = ReadArchitecture(weights);
+  const std::string name = NetworkName(architecture);
+  if (name == "superpoint") {
+    weights.metadata.erase("heads");
+  }
+  for (const auto& [key, text] : ArchitectureMetadata(architecture)) {
+    weights.metadata[key] = text;
+  }
+  if (fresh) {
+    weights.metadata["dialect"] = network.dialect;
+    for (const auto& [key, text] : UsualProvenance(network.dialect, name)) {
+      weights.metadata.emplace(key, text);
+    }
+  }
+  for (const auto& [key, text] :
+       {std::pair("source", options.source), std::pair("licence", options.licence),
+        std::pair("note", options.note)}) {
+    if (text) {
+      weights.metadata[key] = *text;
+    }
+  }
+}
+
 }  // namespace
 
-nn::Weights Convert(const std::vector<std::filesystem::path>& inputs,
-                    const ConvertOptions& options) {
+void ConvertOptions::Validate() const {
+  if (heads && *heads < 1) {
+    throw Error("number of heads " + std::to_string(*heads) +
+                " is out of range: expected at least 1");
+  }
+  if (network && *network != "superpoint" && *network != "superglue") {
+    throw Error("network " + Quoted(*network) +
+                " is unknown: expected \"superpoint\" or \"superglue\"");
+  }
+}
+
+std::vector<nn::Weights> Convert(const std::vector<std::filesystem::path>& inputs,
+                                 const ConvertOptions& options) {
+  options.Validate();
   if (inputs.empty()) {
     throw Error("no input file to convert");
   }
-  std::vector<nn::Weights> parts;
+  std::vector<Container> parts;
   parts.reserve(inputs.size());
   for (const std::filesystem::path& input : inputs) {
     parts.push_back(ReadContainer(input));
   }
-  const auto found = parts.front().metadata.find("converter");
-  const bool converted_before = parts.size() == 1 && found != parts.front().metadata.end() &&
-                                found->second.starts_with("gluevo-weights ");
-  std::map<std::string, std::string> metadata =
-      converted_before ? parts.front().metadata : FreshMetadata(inputs, parts);
+  const bool converted_before = WasConverted(parts);
+  const std::map<std::string, std::string> metadata =
+      converted_before ? parts.front().weights.metadata : FreshMetadata(inputs, parts);
+  Container merged = Merge(std::move(parts));
+  const std::string source = merged.weights.source;
 
-  nn::Weights weights = ToCanonical(Merge(std::move(parts)));
-  weights.metadata = std::move(metadata);
-  for (const auto& [name, text] : ArchitectureMetadata(ReadArchitecture(weights))) {
-    weights.metadata[name] = text;
-  }
-  for (const auto& [name, text] :
-       {std::pair("source", options.source), std::pair("licence", options.licence),
-        std::pair("note", options.note)}) {
-    if (text) {
-      weights.metadata[name] = *text;
+  std::vector<nn::Weights> networks;
+  for (CanonicalNetwork& network : ToCanonical(std::move(merged), Heads(metadata, options))) {
+    Describe(network, metadata, !converted_before, options);
+    if (!options.network || network.weights.metadata.at("architecture") == *options.network) {
+      networks.push_back(std::move(network.weights));
     }
   }
-  return weights;
+  if (networks.empty()) {
+    throw Error(source + ": holds no " + *options.network);
+  }
+  return networks;
 }
 
 }  // namespace gluevo::weights_tools

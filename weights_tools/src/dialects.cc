@@ -1,35 +1,111 @@
 #include "dialects.h"
 
 #include <algorithm>
+#include <array>
+#include <set>
 #include <string_view>
+#include <utility>
+
+#include "superglue_dialects.h"
+#include "superpoint_dialects.h"
 
 namespace gluevo::weights_tools {
 namespace {
 
-using nn::Shape;
-using nn::Tensor;
+// How the first layer is called in each dialect.
+constexpr std::array<std::string_view, 6> kFirstLayers = {
+    "conv1a.",         "encoder.conv_blocks.0.conv_a.", "backbone.0.0.conv.", "inc.conv.conv.0.",
+    "kenc.encoder.0.", "keypoint_encoder.encoder.0."};
 
-Tensor<float> Reshaped(const Tensor<float>& tensor, const Shape& shape) {
-  Tensor<float> reshaped(shape);
-  std::copy_n(tensor.data(), tensor.size(), reshaped.data());
-  return reshaped;
+constexpr std::size_t kMostWrappings = 16;
+
+// What stands before the names of first layers: of a program's modules that hold a network, and of
+// the wrappings that training puts around it.
+std::set<std::string> WrappingsOf(const nn::Weights& weights) {
+  std::set<std::string> wrappings;
+  for (const auto& [name, tensor] : weights.tensors) {
+    for (const std::string_view layer : kFirstLayers) {
+      const std::size_t at = name.find(layer);
+      if (at != std::string::npos && at > 0 && name[at - 1] == '.') {
+        wrappings.insert(name.substr(0, at));
+        if (wrappings.size() > kMostWrappings) {
+          throw Error(weights.source + ": holds more than " + std::to_string(kMostWrappings) +
+                      " networks, expected a SuperPoint, a SuperGlue or one of each");
+        }
+      }
+    }
+  }
+  return wrappings;
+}
+
+std::string WithoutWrapping(const std::string& name, const std::set<std::string>& wrappings) {
+  std::size_t longest = 0;
+  for (const std::string& wrapping : wrappings) {
+    longest = name.starts_with(wrapping) ? std::max(longest, wrapping.size()) : longest;
+  }
+  return name.substr(longest);
+}
+
+void RemoveWrappings(nn::Weights& weights) {
+  const std::set<std::string> wrappings = WrappingsOf(weights);
+  std::map<std::string, nn::Tensor<float>> tensors;
+  for (auto& [name, tensor] : weights.tensors) {
+    const std::string inner = WithoutWrapping(name, wrappings);
+    if (!tensors.emplace(inner, std::move(tensor)).second) {
+      throw Error(weights.source + ": tensor " + Quoted(name) + " is the second that means " +
+                  Quoted(inner));
+    }
+  }
+  weights.tensors = std::move(tensors);
 }
 
 bool IsSuperGlueName(std::string_view name) {
-  return name.starts_with("kenc.") || name.starts_with("gnn.") || name.starts_with("final_proj.");
+  constexpr std::array<std::string_view, 6> kStarts = {
+      "kenc.", "gnn.", "final_proj.", "bin_score", "keypoint_encoder.", "final_projection."};
+  return std::any_of(kStarts.begin(), kStarts.end(),
+                     [name](std::string_view start) { return name.starts_with(start); });
 }
 
 }  // namespace
 
-nn::Weights ToCanonical(nn::Weights weights) {
-  for (auto& [name, tensor] : weights.tensors) {
-    if (IsSuperGlueName(name) && tensor.shape().rank() == 2) {
-      tensor = Reshaped(tensor, Shape{tensor.extent(0), tensor.extent(1), 1});
-    } else if (name == "bin_score" && tensor.shape() == Shape{1}) {
-      tensor = Reshaped(tensor, Shape{});
+std::vector<CanonicalNetwork> ToCanonical(Container container, int64_t heads) {
+  nn::Weights& all = container.weights;
+  RemoveWrappings(all);
+  nn::Weights superglue{.source = all.source, .checksum = all.checksum, .metadata = all.metadata};
+  for (auto it = all.tensors.begin(); it != all.tensors.end();) {
+    const auto next = std::next(it);
+    if (IsSuperGlueName(it->first)) {
+      superglue.tensors.insert(all.tensors.extract(it));
+    }
+    it = next;
+  }
+
+  std::vector<CanonicalNetwork> networks;
+  if (std::optional<TranslatedSuperPoint> translated =
+          TranslateSuperPoint(all, container.batch_norm_epsilon)) {
+    networks.push_back({std::move(translated->weights), translated->dialect});
+  } else {
+    // For the check of the SuperGlue to name.
+    superglue.tensors.merge(all.tensors);
+  }
+  if (std::any_of(superglue.tensors.begin(), superglue.tensors.end(),
+                  [](const auto& entry) { return IsSuperGlueName(entry.first); })) {
+    if (std::optional<TranslatedSuperGlue> translated =
+            TranslateSuperGlue(superglue, heads, container.batch_norm_epsilon)) {
+      networks.push_back({std::move(translated->weights), translated->dialect});
+    } else {
+      throw Error(superglue.source +
+                  ": a SuperGlue without a keypoint encoder: there is no tensor " +
+                  "\"kenc.encoder.0.weight\"");
     }
   }
-  return weights;
+  if (networks.empty()) {
+    throw Error(
+        superglue.source +
+        ": is neither a SuperPoint nor a SuperGlue that is known: there is no tensor "
+        "\"conv1a.weight\" nor \"kenc.encoder.0.weight\", nor what other dialects call them");
+  }
+  return networks;
 }
 
 }  // namespace gluevo::weights_tools

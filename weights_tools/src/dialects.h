@@ -1,13 +1,27 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "containers.h"
 #include "gluevo/nn/weights.h"
 
 namespace gluevo::weights_tools {
 
+/// One network under the canonical names and shapes.
+struct CanonicalNetwork {
+  nn::Weights weights;
+  std::string dialect;
+};
+
 /// Second stage of a conversion: from the names and shapes of the file's maker to the canonical
-/// ones. Dialects: the published names, 1x1 convolutions of a SuperGlue also as matrices [O x I]
-/// and its dustbin score also as a vector of one. What no dialect knows stays as it is, for the
-/// architecture's check to name.
-nn::Weights ToCanonical(nn::Weights weights);
+/// ones, which are the published ones (see superpoint_dialects.h and superglue_dialects.h). What
+/// stands before a network's names inside a program ("module.", "net.", "superpoint.", anything) is
+/// taken off first. `heads` is the number of attention heads of a SuperGlue.
+///
+/// Returns a SuperPoint, a SuperGlue, or both, in this order. What no dialect knows stays as it is,
+/// for the architecture's check to name. Throws Error where there is no network at all.
+std::vector<CanonicalNetwork> ToCanonical(Container container, int64_t heads);
 
 }  // namespace gluevo::weights_tools

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <iomanip>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
 #include <variant>
+#include <vector>
 
+#include "containers.h"
+#include "dialects.h"
 #include "gluevo/weights_tools/architecture.h"
 
 namespace gluevo::weights_tools {
@@ -14,16 +16,28 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+struct Network {
+  Architecture architecture;
+  std::string dialect;
+};
+
 struct Identity {
-  std::optional<Architecture> architecture;
+  std::vector<Network> networks;
   std::string problem;
 };
 
-Identity Identify(const nn::Weights& weights) {
+Identity Identify(const Container& container) {
   try {
-    return {ReadArchitecture(weights), ""};
+    const auto heads = container.weights.metadata.find("heads");
+    const bool told = heads != container.weights.metadata.end();
+    Identity identity;
+    for (const CanonicalNetwork& network :
+         ToCanonical(container, told ? ParseHeads(heads->second) : kPublishedHeads)) {
+      identity.networks.push_back({ReadArchitecture(network.weights), network.dialect});
+    }
+    return identity;
   } catch (const Error& error) {
-    return {std::nullopt, error.what()};
+    return {{}, error.what()};
   }
 }
 
@@ -50,6 +64,9 @@ std::string Describe(const Architecture& architecture) {
     text << "SuperPoint, widths " << metadata.at("widths") << ", detector head "
          << superpoint->detector_width << ", descriptor head " << superpoint->descriptor_width
          << ", descriptors of " << superpoint->descriptor_size;
+    if (superpoint->affine_layers > 0) {
+      text << ", scale and shift after " << superpoint->affine_layers << " layers";
+    }
   } else if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&architecture)) {
     text << "SuperGlue, " << superglue->layers << " layers of " << superglue->descriptor_size
          << ", " << superglue->heads << " heads" << (superglue->heads_assumed ? " (assumed)" : "")
@@ -58,20 +75,48 @@ std::string Describe(const Architecture& architecture) {
   return text.str();
 }
 
+Json ToJson(const Network& network) {
+  Json json;
+  if (const auto* superpoint = std::get_if<SuperPointArchitecture>(&network.architecture)) {
+    json = {{"network", "superpoint"},
+            {"widths", superpoint->widths},
+            {"detector_width", superpoint->detector_width},
+            {"descriptor_width", superpoint->descriptor_width},
+            {"descriptor_size", superpoint->descriptor_size},
+            {"affine_layers", superpoint->affine_layers}};
+  } else if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&network.architecture)) {
+    json = {{"network", "superglue"},
+            {"keypoint_encoder", superglue->keypoint_encoder},
+            {"descriptor_size", superglue->descriptor_size},
+            {"layers", superglue->layers},
+            {"heads", superglue->heads},
+            {"heads_assumed", superglue->heads_assumed}};
+  }
+  json["dialect"] = network.dialect;
+  return json;
+}
+
 }  // namespace
 
-std::string InspectionText(const nn::Weights& weights) {
-  const Identity identity = Identify(weights);
+std::string InspectionText(const std::filesystem::path& path) {
+  const Container container = ReadContainer(path);
+  const nn::Weights& weights = container.weights;
+  const Identity identity = Identify(container);
   std::ostringstream text;
   const auto line = [&text](const std::string& name, const std::string& value) {
     text << std::left << std::setw(14) << name << Printable(value) << '\n';
   };
   line("file", weights.source);
   line("sha256", weights.checksum);
-  line("architecture",
-       identity.architecture ? Describe(*identity.architecture) : "unknown: " + identity.problem);
-  const auto architecture = identity.architecture ? ArchitectureMetadata(*identity.architecture)
-                                                  : std::map<std::string, std::string>();
+  line("form", container.form);
+  std::map<std::string, std::string> architecture;
+  for (const Network& network : identity.networks) {
+    line("architecture", Describe(network.architecture) + " (" + network.dialect + ")");
+    architecture.merge(ArchitectureMetadata(network.architecture));
+  }
+  if (identity.networks.empty()) {
+    line("architecture", "unknown: " + identity.problem);
+  }
   for (const auto& [name, value] : weights.metadata) {
     if (!architecture.contains(name)) {
       line(name, value);
@@ -99,28 +144,21 @@ std::string InspectionText(const nn::Weights& weights) {
   return text.str();
 }
 
-std::string InspectionJson(const nn::Weights& weights) {
-  const Identity identity = Identify(weights);
+std::string InspectionJson(const std::filesystem::path& path) {
+  const Container container = ReadContainer(path);
+  const nn::Weights& weights = container.weights;
+  const Identity identity = Identify(container);
   Json json;
   json["file"] = weights.source;
   json["sha256"] = weights.checksum;
-  json["architecture"] = nullptr;
-  if (!identity.architecture) {
+  json["form"] = container.form;
+  json["networks"] = Json::array();
+  for (const Network& network : identity.networks) {
+    json["networks"].push_back(ToJson(network));
+  }
+  json["architecture"] = identity.networks.empty() ? Json(nullptr) : json["networks"][0];
+  if (identity.networks.empty()) {
     json["problem"] = identity.problem;
-  } else if (const auto* superpoint =
-                 std::get_if<SuperPointArchitecture>(&*identity.architecture)) {
-    json["architecture"] = {{"network", "superpoint"},
-                            {"widths", superpoint->widths},
-                            {"detector_width", superpoint->detector_width},
-                            {"descriptor_width", superpoint->descriptor_width},
-                            {"descriptor_size", superpoint->descriptor_size}};
-  } else if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&*identity.architecture)) {
-    json["architecture"] = {{"network", "superglue"},
-                            {"keypoint_encoder", superglue->keypoint_encoder},
-                            {"descriptor_size", superglue->descriptor_size},
-                            {"layers", superglue->layers},
-                            {"heads", superglue->heads},
-                            {"heads_assumed", superglue->heads_assumed}};
   }
   for (const char* name : {"source", "licence", "note"}) {
     const auto found = weights.metadata.find(name);

@@ -1,6 +1,7 @@
 // The command gluevo-weights.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +13,7 @@
 #include "gluevo/weights_tools/architecture.h"
 #include "gluevo/weights_tools/convert.h"
 #include "gluevo/weights_tools/inspect.h"
+#include "gluevo/weights_tools/verify.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -27,40 +29,74 @@ struct InspectArguments {
   bool json = false;
 };
 
+bool IsFolder(const std::filesystem::path& path) {
+  return std::filesystem::is_directory(path) || !path.has_filename();
+}
+
+void RunConvert(const ConvertArguments& arguments) {
+  const std::vector<nn::Weights> networks = Convert(arguments.inputs, arguments.options);
+  if (!IsFolder(arguments.output) && networks.size() > 1) {
+    throw Error(networks.front().source +
+                ": holds a SuperPoint and a SuperGlue: choose one by --network, or name a folder "
+                "for both by -o");
+  }
+  for (const nn::Weights& weights : networks) {
+    const std::string& name = weights.metadata.at("architecture");
+    const std::filesystem::path path =
+        IsFolder(arguments.output) ? arguments.output / (name + ".safetensors") : arguments.output;
+    nn::WriteSafetensors(path, weights);
+    std::cerr << "wrote " << path.string() << ": " << name << ", " << weights.tensors.size()
+              << " tensors\n";
+  }
+}
+
 void AddConvert(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "convert", "Convert the weights of one network to the form that gluevo runs");
   const auto arguments = std::make_shared<ConvertArguments>();
-  command->add_option("IN", arguments->inputs, "Weights: .safetensors or .npz; several for parts")
+  command
+      ->add_option("IN", arguments->inputs,
+                   "Weights: .pth or .pt of PyTorch, .safetensors, .npz or .npy; several for "
+                   "parts")
       ->required();
-  command->add_option("-o,--output", arguments->output, "The .safetensors file to write")
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "The .safetensors file to write, or a folder, in which superpoint.safetensors "
+                   "and superglue.safetensors are written")
       ->required();
   command->add_option("--source", arguments->options.source,
                       "Text for the metadata: where the weights come from");
   command->add_option("--licence", arguments->options.licence,
                       "Text for the metadata: under what licence they stand");
   command->add_option("--note", arguments->options.note, "Text for the metadata: anything else");
+  command->add_option("--heads", arguments->options.heads,
+                      "Attention heads of a SuperGlue, where the file does not tell (4)");
+  command
+      ->add_option("--network", arguments->options.network,
+                   "The one that is wanted of a file that holds both: superpoint or superglue")
+      ->check(CLI::IsMember({"superpoint", "superglue"}));
   command->footer(
-      "Example:\n  gluevo-weights convert superglue_outdoor.npz -o superglue.safetensors");
-  command->callback([arguments] {
-    const nn::Weights weights = Convert(arguments->inputs, arguments->options);
-    nn::WriteSafetensors(arguments->output, weights);
-    std::cerr << "wrote " << arguments->output.string() << ": "
-              << weights.metadata.at("architecture") << ", " << weights.tensors.size()
-              << " tensors\n";
-  });
+      "Example:\n  gluevo-weights convert superglue_outdoor.pth -o superglue.safetensors");
+  command->callback([arguments] { RunConvert(*arguments); });
 }
+
+struct VerifyArguments {
+  std::filesystem::path first;
+  std::filesystem::path second;
+  ConvertOptions options;
+  bool json = false;
+};
 
 void AddInspect(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("inspect", "Show what a weights file holds and where it comes from");
   const auto arguments = std::make_shared<InspectArguments>();
-  command->add_option("FILE", arguments->file, "Weights: .safetensors or .npz")->required();
+  command->add_option("FILE", arguments->file, "Weights of any form")->required();
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->footer("Example:\n  gluevo-weights inspect superglue.safetensors --json");
   command->callback([arguments] {
-    const nn::Weights weights = nn::ReadWeights(arguments->file);
-    std::cout << (arguments->json ? InspectionJson(weights) : InspectionText(weights))
+    std::cout << (arguments->json ? InspectionJson(arguments->file)
+                                  : InspectionText(arguments->file))
               << std::flush;
     if (!std::cout) {
       throw Error("standard output: cannot be written");
@@ -68,13 +104,47 @@ void AddInspect(CLI::App& app) {
   });
 }
 
+void RunVerify(const VerifyArguments& arguments) {
+  const std::vector<OutputComparison> comparisons =
+      Verify(arguments.first, arguments.second, arguments.options);
+  std::cout << (arguments.json ? VerificationJson(comparisons) : VerificationText(comparisons))
+            << std::flush;
+  if (!std::cout) {
+    throw Error("standard output: cannot be written");
+  }
+  if (!std::all_of(comparisons.begin(), comparisons.end(),
+                   [](const OutputComparison& comparison) { return comparison.agrees(); })) {
+    throw Error(arguments.second.string() + ": is not the same network as " +
+                arguments.first.string());
+  }
+}
+
+void AddVerify(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "verify", "Run the networks of two files on a built-in image and compare what they give");
+  const auto arguments = std::make_shared<VerifyArguments>();
+  command->add_option("A", arguments->first, "Weights of any form")->required();
+  command->add_option("B", arguments->second, "Weights of any form")->required();
+  command->add_flag("--json", arguments->json, "Print JSON instead of a table");
+  command->add_option("--heads", arguments->options.heads,
+                      "Attention heads of a SuperGlue, where the files do not tell (4)");
+  command
+      ->add_option("--network", arguments->options.network,
+                   "The one that is wanted of files that hold both: superpoint or superglue")
+      ->check(CLI::IsMember({"superpoint", "superglue"}));
+  command->footer("Example:\n  gluevo-weights verify superglue_outdoor.pth superglue.safetensors");
+  command->callback([arguments] { RunVerify(*arguments); });
+}
+
 int Run(int argc, char** argv) {
-  CLI::App app("Converts and inspects the weights of SuperPoint and SuperGlue", "gluevo-weights");
+  CLI::App app("Converts, inspects and compares the weights of SuperPoint and SuperGlue",
+               "gluevo-weights");
   app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo-weights inspect superpoint.safetensors");
   AddConvert(app);
   AddInspect(app);
+  AddVerify(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -30,7 +30,7 @@ struct Weights {
 /// Reads a .safetensors or .npz file; which of the two is told by its first bytes, not its name.
 /// Throws Error with file and byte offset for anything malformed: sizes and offsets out of bounds,
 /// gaps, overlaps, duplicate names, trailing bytes, NaN and infinity, element types other than F32,
-/// F16, BF16 (in .npz '<f4', '<f2' and '<f8', narrowed to float). The integer counters
+/// F16, BF16 and F64, which is narrowed to float (for .npz see npy.h). The integer counters
 /// "....num_batches_tracked" that published checkpoints carry from training are left out.
 Weights ReadWeights(const std::filesystem::path& path);
 

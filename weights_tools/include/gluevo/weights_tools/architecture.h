@@ -20,7 +20,15 @@ struct SuperPointArchitecture {
   int64_t descriptor_width = 0;
   /// Output channels of convDb.
   int64_t descriptor_size = 0;
+  /// Layers whose ReLU a scale and a shift of each channel follow.
+  int affine_layers = 0;
 };
+
+/// Attention heads of the published SuperGlue.
+inline constexpr int64_t kPublishedHeads = 4;
+
+/// Metadata's "heads"; throws Error unless it is a positive number.
+int64_t ParseHeads(const std::string& text);
 
 /// Layers and channels of a SuperGlue.
 struct SuperGlueArchitecture {
@@ -30,7 +38,7 @@ struct SuperGlueArchitecture {
   /// Layers of the graph network, self and cross attention in turns.
   int layers = 0;
   /// Attention heads. No tensor tells their number: as the metadata say, or else 4, as published.
-  int heads = 4;
+  int64_t heads = kPublishedHeads;
   bool heads_assumed = true;
 };
 

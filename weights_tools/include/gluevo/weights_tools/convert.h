@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -18,14 +19,22 @@ struct ConvertOptions {
   std::optional<std::string> licence;
   /// Anything else a user should know.
   std::optional<std::string> note;
+  /// Attention heads of a SuperGlue, which no tensor tells; else the input's metadata, else 4.
+  std::optional<int64_t> heads;
+  /// "superpoint" or "superglue": the one that is wanted of a file that holds both.
+  std::optional<std::string> network;
+
+  /// Throws Error naming the field that is out of range.
+  void Validate() const;
 };
 
-/// Reads the weights of one network, from one file or spread over several (no tensor twice), and
-/// returns them in the runtime's canonical form: published names and shapes, all float. The
-/// metadata tell architecture, source, licence, the names and SHA-256 of the input files and the
+/// Reads weights of any form and dialect, from one file or spread over several (no tensor twice),
+/// and returns the networks among them, at most one SuperPoint and one SuperGlue, in the runtime's
+/// canonical form: published names and shapes, all float. The metadata tell architecture, dialect,
+/// licence, which descriptors fit, the names, form and SHA-256 of the input files and the
 /// converter's version. What was converted before comes back as it is. Throws Error, naming file
-/// and tensor, for anything that is not exactly one SuperPoint or SuperGlue.
-nn::Weights Convert(const std::vector<std::filesystem::path>& inputs,
-                    const ConvertOptions& options = {});
+/// and tensor, for anything that does not make whole networks.
+std::vector<nn::Weights> Convert(const std::vector<std::filesystem::path>& inputs,
+                                 const ConvertOptions& options = {});
 
 }  // namespace gluevo::weights_tools

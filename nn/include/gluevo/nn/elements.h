@@ -1,11 +1,12 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string>
 
-#include "bytes.h"
+#include "gluevo/nn/bytes.h"
 #include "gluevo/nn/tensor.h"
 
 namespace gluevo::nn {
@@ -39,6 +40,18 @@ inline float Bfloat16ToFloat(uint16_t bits) {
 /// float.
 Tensor<float> ReadElements(const Bytes& bytes, ElementType type, const Shape& shape,
                            const std::string& name);
+
+/// Steps along each axis from one element to the next, in elements.
+using Strides = std::array<int64_t, Shape::kMaxRank>;
+
+/// Strides of elements that lie in their order.
+Strides RowMajorStrides(const Shape& shape);
+
+/// The elements of a tensor that lie `strides` apart in `storage`, the first one `offset` elements
+/// from its start. Throws Error for negative strides, elements outside the storage, and values as
+/// ReadElements does.
+Tensor<float> ReadStrided(const Bytes& storage, ElementType type, const Shape& shape,
+                          const Strides& strides, uint64_t offset, const std::string& name);
 
 /// Integer tensors that published checkpoints carry and no network reads: the counters
 /// "....num_batches_tracked" of batch norms in training. Readers check and then skip them.

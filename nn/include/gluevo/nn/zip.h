@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "bytes.h"
+#include "gluevo/nn/bytes.h"
 
 namespace gluevo::nn {
 
@@ -21,9 +21,10 @@ struct ZipEntry {
 };
 
 /// The entries of a zip archive as its central directory lists them (PKWARE's APPNOTE, without
-/// encryption, several disks and zip64). Throws Error with the offset for anything out of bounds or
-/// that contradicts itself: entries that overlap, bytes that belong to none, names that come twice,
-/// local headers that differ, sizes that deflate cannot reach or that together are a bomb.
+/// encryption and several disks; with zip64's end record, but entries below 4 GB). Throws Error
+/// with the offset for anything out of bounds or that contradicts itself: entries that overlap,
+/// bytes that belong to none, names that come twice or lead out of the archive, local headers that
+/// differ, sizes that deflate cannot reach or that together are a bomb.
 std::vector<ZipEntry> ReadZipDirectory(const Bytes& file);
 
 /// The bytes of one entry, inflated where they have to be.

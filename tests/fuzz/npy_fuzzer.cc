@@ -1,0 +1,14 @@
+#include <cstddef>
+#include <cstdint>
+
+#include "gluevo/nn/error.h"
+#include "gluevo/nn/npy.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, std::size_t size) {
+  using namespace gluevo;
+  try {
+    nn::ParseNpy(nn::Bytes(data, size, "file"), "name");
+  } catch (const Error&) {  // The one answer that a broken file may get.
+  }
+  return 0;
+}

@@ -1,0 +1,184 @@
+// The command gluevo-weights, run as users run it.
+
+#include "apps/command_test.h"
+
+#include <nlohmann/json.hpp>
+
+#include "small_networks.h"
+
+namespace gluevo::weights_tools {
+namespace {
+
+using apps::Contents;
+using apps::Outcome;
+using Json = nlohmann::json;
+
+class WeightsCommandTest : public apps::CommandTest {
+ protected:
+  std::string Save(const std::string& name, const nn::Weights& weights) const {
+    nn::WriteSafetensors(Path(name), weights);
+    return Path(name);
+  }
+  static std::string Data(const std::string& file) {
+    return std::string(GLUEVO_TEST_DATA_DIR) + "/weights/" + file;
+  }
+  void ExpectRefused(const std::string& arguments, const std::string& phrase) const {
+    const std::size_t files = Files();
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.error;
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(outcome.error.rfind("gluevo-weights: ", 0), 0U) << outcome.error;
+    EXPECT_NE(outcome.error.find(phrase), std::string::npos) << outcome.error;
+    EXPECT_EQ(outcome.error.find('\n'), outcome.error.size() - 1) << outcome.error;
+    EXPECT_EQ(Files(), files);
+  }
+};
+
+TEST_F(WeightsCommandTest, ConvertsBothNetworks) {
+  const std::string superpoint = Save("a.safetensors", SmallSuperPoint());
+  const std::string superglue = Save("b.safetensors", SmallSuperGlue());
+  const Outcome outcome = Run("convert " + superpoint + " -o " + Path("superpoint.safetensors"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_NE(outcome.error.find("superpoint, 24 tensors"), std::string::npos) << outcome.error;
+  EXPECT_EQ(Run("convert " + superglue + " -o " + Path("superglue.safetensors")).exit_code, 0);
+
+  const nn::Weights converted = nn::ReadWeights(Path("superpoint.safetensors"));
+  for (const auto& [name, tensor] : SmallSuperPoint().tensors) {
+    EXPECT_EQ(converted.Get(name, tensor.shape()).Matrix(), tensor.Matrix()) << name;
+  }
+  EXPECT_EQ(converted.metadata.at("architecture"), "superpoint");
+  EXPECT_EQ(converted.metadata.at("source_sha256"), nn::ReadWeights(superpoint).checksum);
+  EXPECT_EQ(nn::ReadWeights(Path("superglue.safetensors")).metadata.at("heads"), "4");
+}
+
+TEST_F(WeightsCommandTest, ConvertingTwiceGivesTheSameBytesAndItsOwnOutputTheSameAgain) {
+  const std::string in = Save("in.safetensors", SmallSuperGlue());
+  ASSERT_EQ(Run("convert " + in + " -o " + Path("a.safetensors")).exit_code, 0);
+  ASSERT_EQ(Run("convert " + in + " -o " + Path("b.safetensors")).exit_code, 0);
+  EXPECT_EQ(Contents(Path("a.safetensors")), Contents(Path("b.safetensors")));
+  ASSERT_EQ(Run("convert " + Path("a.safetensors") + " -o " + Path("c.safetensors")).exit_code, 0);
+  EXPECT_EQ(Contents(Path("a.safetensors")), Contents(Path("c.safetensors")));
+}
+
+TEST_F(WeightsCommandTest, TextsForTheMetadataAreKept) {
+  const std::string in = Save("in.safetensors", SmallSuperPoint());
+  ASSERT_EQ(Run("convert " + in + " -o " + Path("out.safetensors") +
+                " --source 'a paper' --licence MIT --note 'of use'")
+                .exit_code,
+            0);
+  const nn::Weights weights = nn::ReadWeights(Path("out.safetensors"));
+  EXPECT_EQ(weights.metadata.at("source"), "a paper");
+  EXPECT_EQ(weights.metadata.at("licence"), "MIT");
+  EXPECT_EQ(weights.metadata.at("note"), "of use");
+}
+
+TEST_F(WeightsCommandTest, InspectPrintsATableAndJson) {
+  const std::string in = Save("in.safetensors", SmallSuperGlue());
+  const Outcome table = Run("inspect " + in);
+  EXPECT_EQ(table.exit_code, 0) << table.error;
+  EXPECT_NE(table.out.find("SuperGlue, 2 layers of 16, 4 heads (assumed), keypoint encoder 8"),
+            std::string::npos)
+      << table.out;
+  EXPECT_NE(table.out.find("gnn.layers.1.mlp.0.weight"), std::string::npos);
+
+  const Outcome outcome = Run("inspect " + in + " --json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  const Json json = Json::parse(outcome.out);
+  EXPECT_EQ(json.at("architecture").at("network"), "superglue");
+  EXPECT_EQ(json.at("sha256"), nn::ReadWeights(in).checksum);
+  EXPECT_EQ(json.at("tensors").size(), SmallSuperGlue().tensors.size());
+  EXPECT_EQ(json.at("tensors")[0].at("name"), "bin_score");
+}
+
+TEST_F(WeightsCommandTest, RefusesWhatIsNoNetworkAndWritesNothing) {
+  const std::string out = " -o " + Path("out.safetensors");
+  ExpectRefused("convert " + Path("none") + out, "there is no such file");
+  ExpectRefused("convert " + Write("text", "This is no file of weights at all.") + out, "byte 0: ");
+  nn::Weights lacking = SmallSuperPoint();
+  lacking.tensors.erase("conv3a.bias");
+  ExpectRefused("convert " + Save("lacking", lacking) + out, "there is no tensor \"conv3a.bias\"");
+  nn::Weights odd = SmallSuperPoint();
+  odd.tensors.at("conv2a.bias") = nn::Tensor<float>(nn::Shape{5});
+  ExpectRefused("convert " + Save("odd", odd) + out, "has shape [5], expected [4]");
+  ExpectRefused("inspect " + Path("none"), "there is no such file");
+  const std::string in = Save("in.safetensors", SmallSuperPoint());
+  ExpectRefused("convert " + in + " -o " + Path("no/such/folder.safetensors"), "cannot be written");
+}
+
+TEST_F(WeightsCommandTest, RefusesWhatIsCutShortAndWritesNothing) {
+  const std::string whole = Contents(Data("superglue_magic_leap.pth"));
+  ExpectRefused("convert " + Write("cut.pth", whole.substr(0, whole.size() - 1)) + " -o " +
+                    Path("out.safetensors"),
+                "is cut short");
+}
+
+TEST_F(WeightsCommandTest, ConvertsAFileOfBothIntoAFolderOrTheOneThatIsAsked) {
+  const std::string both = Data("both_hugging_face.safetensors");
+  ExpectRefused("convert " + both + " -o " + Path("out.safetensors"),
+                "holds a SuperPoint and a SuperGlue: choose one by --network");
+  ASSERT_EQ(Run("convert " + both + " --network superglue -o " + Path("glue")).exit_code, 0);
+  ASSERT_EQ(Run("convert " + both + " -o " + Path("")).exit_code, 0);
+  EXPECT_EQ(Contents(Path("glue")), Contents(Path("superglue.safetensors")));
+  EXPECT_EQ(nn::ReadWeights(Path("superpoint.safetensors")).metadata.at("architecture"),
+            "superpoint");
+  EXPECT_EQ(Run("convert " + both + " --network other -o " + Path("x")).exit_code, 2);
+  ExpectRefused(
+      "convert " + Data("superpoint_magic_leap.pth") + " --network superglue -o " + Path("x"),
+      "holds no superglue");
+}
+
+TEST_F(WeightsCommandTest, OwnOutputIsTheSameAgainForEveryDialect) {
+  for (const char* file :
+       {"superpoint_rpautrat.pth", "superpoint_batch_norm.pth.tar",
+        "superpoint_hugging_face.safetensors", "superglue_folded.onnx", "superpoint_int8.onnx"}) {
+    const std::string a = Path(file) + ".a";
+    const std::string b = Path(file) + ".b";
+    ASSERT_EQ(Run("convert " + Data(file) + " -o " + a).exit_code, 0) << file;
+    ASSERT_EQ(Run("convert " + a + " -o " + b).exit_code, 0) << file;
+    EXPECT_EQ(Contents(a), Contents(b)) << file;
+  }
+}
+
+TEST_F(WeightsCommandTest, VerifyTellsTheSameNetworkFromAnother) {
+  const std::string hugging_face = Data("both_hugging_face.safetensors") + " --network superglue";
+  const Outcome same = Run("verify " + Data("superglue_magic_leap.pth") + " " + hugging_face);
+  EXPECT_EQ(same.exit_code, 0) << same.error << same.out;
+  EXPECT_NE(same.out.find("superglue   assignment   difference "), std::string::npos) << same.out;
+  EXPECT_NE(same.out.find("superglue   matches      difference 0"), std::string::npos) << same.out;
+
+  const std::string first = Save("first", SmallSuperPoint(1));
+  const std::string second = Save("second", SmallSuperPoint(2));
+  const Outcome other = Run("verify " + first + " " + second + " --json");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.error.find("is not the same network as"), std::string::npos) << other.error;
+  const Json json = Json::parse(other.out);
+  ASSERT_EQ(json.size(), 3U);
+  EXPECT_EQ(json[1].at("output"), "descriptors");
+  EXPECT_EQ(json[1].at("agrees"), false);
+  EXPECT_GT(json[1].at("difference"), 0.1);
+  EXPECT_EQ(Run("verify " + first + " " + first).exit_code, 0);
+
+  ExpectRefused("verify " + first + " " + Save("glue", SmallSuperGlue()), "holds no superpoint");
+}
+
+TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
+  for (const char* arguments : {"", "convert", "convert x", "inspect", "colour x", "inspect x y"}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    EXPECT_NE(outcome.error, "") << arguments;
+  }
+}
+
+TEST_F(WeightsCommandTest, HelpShowsAnExample) {
+  for (const char* arguments : {"--help", "convert --help", "inspect --help", "verify --help"}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << arguments;
+    EXPECT_NE(outcome.out.find("Example:\n  gluevo-weights "), std::string::npos) << outcome.out;
+  }
+  EXPECT_EQ(Run("--version").out.rfind("gluevo-weights ", 0), 0U);
+}
+
+}  // namespace
+}  // namespace gluevo::weights_tools

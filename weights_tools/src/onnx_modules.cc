@@ -1,0 +1,296 @@
+#include "onnx_modules.h"
+
+#include <algorithm>
+#include <cstring>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace gluevo::weights_tools {
+namespace {
+
+using nn::Tensor;
+
+// The published SuperGlue has 113.
+constexpr std::size_t kMostLinears = 2000;
+
+// The name of the module whose tensor this is, or nothing where it does not end as expected.
+std::string ModuleOf(std::string_view tensor, std::string_view ending) {
+  constexpr std::string_view kQuantized = "_quantized";
+  if (tensor.ends_with(kQuantized)) {
+    tensor.remove_suffix(kQuantized.size());
+  }
+  if (!tensor.ends_with(ending)) {
+    return "";
+  }
+  tensor.remove_suffix(ending.size());
+  return std::string(tensor);
+}
+
+bool Same(const Tensor<float>& a, const Tensor<float>& b) {
+  return a.shape() == b.shape() && std::equal(a.data(), a.data() + a.size(), b.data());
+}
+
+bool Same(const OnnxLinear& a, const OnnxLinear& b) {
+  const bool named_apart = !a.name.empty() && !b.name.empty() && a.name != b.name;
+  return !named_apart && Same(a.weight, b.weight) && a.bias.has_value() == b.bias.has_value() &&
+         (!a.bias || Same(*a.bias, *b.bias));
+}
+
+void CheckConvolution(const OnnxNode& node, const Tensor<float>& weight) {
+  const auto all = [&node](const char* name, int64_t wanted) {
+    const auto found = node.attributes.find(name);
+    return found == node.attributes.end() ||
+           std::all_of(found->second.integers.begin(), found->second.integers.end(),
+                       [wanted](int64_t value) { return value == wanted; });
+  };
+  const int rank = weight.shape().rank();
+  const int64_t kernel = rank > 2 ? weight.extent(2) : 1;
+  const auto mode = node.attributes.find("auto_pad");
+  const bool same_pad = mode != node.attributes.end() && mode->second.text.starts_with("SAME");
+  const bool padded =
+      kernel == 1 || same_pad || (node.attributes.contains("pads") && all("pads", kernel / 2));
+  if ((rank != 3 && rank != 4) || node.Integer("group", 1) != 1 || !all("strides", 1) ||
+      !all("dilations", 1) || !padded || (kernel == 1 && !all("pads", 0))) {
+    node.message.Fail(0, "the convolution " + Quoted(node.name) +
+                             " has groups, strides, dilations or a padding that neither SuperPoint "
+                             "nor SuperGlue has");
+  }
+}
+
+/// Goes through the nodes in their order and gathers.
+class Finder {
+ public:
+  Finder(const OnnxModel& model, const OnnxConstants& constants)
+      : model_(model), constants_(constants) {}
+
+  std::vector<OnnxLinear> Find() {
+    for (const OnnxNode& node : model_.nodes) {
+      Visit(node);
+    }
+    return std::move(linears_);
+  }
+
+ private:
+  /// Where a value comes from: a linear, and what lies between.
+  struct Origin {
+    int linear = -1;
+    bool relu = false;
+  };
+
+  void Visit(const OnnxNode& node) {
+    if (SeenBefore(node)) {
+      return;
+    }
+    static const std::set<std::string_view> kOtherWeights = {"QLinearConv",
+                                                             "ConvInteger",
+                                                             "QLinearMatMul",
+                                                             "MatMulInteger",
+                                                             "ConvTranspose",
+                                                             "com.microsoft.FusedConv",
+                                                             "com.microsoft.FusedMatMul",
+                                                             "com.microsoft.FusedGemm",
+                                                             "com.microsoft.nchwc.Conv",
+                                                             "com.microsoft.QGemm"};
+    if (node.outputs.empty()) {
+      return;
+    }
+    if (kOtherWeights.contains(node.op)) {
+      node.message.Fail(0, "the model has a " + node.op +
+                               ", which is not read: expected Conv, Gemm and MatMul, quantised "
+                               "ones between QuantizeLinear and DequantizeLinear");
+    }
+    if (node.op == "Conv") {
+      VisitConvolution(node);
+    } else if (node.op == "Gemm") {
+      VisitGemm(node);
+    } else if (node.op == "MatMul") {
+      VisitMatMul(node);
+    } else if (node.op == "BatchNormalization") {
+      VisitBatchNorm(node);
+    } else if (node.op == "Add") {
+      VisitAdd(node);
+    } else {
+      PassThrough(node);
+    }
+  }
+
+  // Layers that run for both images: the same weights once more, whose values need not be made
+  // again.
+  bool SeenBefore(const OnnxNode& node) {
+    if (node.outputs.empty() || (node.op != "Conv" && node.op != "Gemm")) {
+      return false;
+    }
+    std::string key = node.op;
+    for (std::size_t i = 1; i < node.inputs.size(); ++i) {
+      key += '\n' + node.inputs[i];
+    }
+    const auto [found, inserted] = first_uses_.emplace(key, &node);
+    if (!inserted) {
+      const auto origin = origins_.find(found->second->outputs[0]);
+      if (origin != origins_.end()) {
+        origins_[node.outputs[0]] = origin->second;
+      }
+    }
+    return !inserted;
+  }
+
+  void VisitConvolution(const OnnxNode& node) {
+    std::optional<OnnxConstant> weight = Constant(node, 1);
+    if (!weight) {
+      node.message.Fail(0, "the convolution " + Quoted(node.name) + " has no constant weights");
+    }
+    CheckConvolution(node, weight->values);
+    Add(node, 0, *std::move(weight), Constant(node, 2), node.inputs.size() > 2);
+  }
+
+  void VisitGemm(const OnnxNode& node) {
+    std::optional<OnnxConstant> weight = Constant(node, 1);
+    if (!weight || weight->values.shape().rank() != 2) {
+      return;
+    }
+    if (node.Integer("transB", 0) == 0) {
+      weight->values = Transposed(weight->values);
+    }
+    Add(node, 0, *std::move(weight), Constant(node, 2), node.inputs.size() > 2);
+  }
+
+  void VisitMatMul(const OnnxNode& node) {
+    for (const std::size_t side : {std::size_t{1}, std::size_t{0}}) {
+      std::optional<OnnxConstant> weight = Constant(node, side);
+      if (!weight || weight->values.shape().rank() != 2) {
+        continue;
+      }
+      if (side == 1) {
+        weight->values = Transposed(weight->values);
+      }
+      // An Add of a vector behind it is its bias.
+      std::optional<OnnxConstant> bias;
+      for (const OnnxNode* consumer : constants_.ConsumersOf(node.outputs[0])) {
+        if (consumer->op != "Add" || consumer->inputs.size() != 2) {
+          continue;
+        }
+        for (const std::string& name : consumer->inputs) {
+          std::optional<OnnxConstant> other = constants_.Get(name);
+          if (other && other->values.shape() == nn::Shape{weight->values.extent(0)}) {
+            bias = std::move(other);
+          }
+        }
+      }
+      const bool has_bias = bias.has_value();
+      Add(node, 1 - side, *std::move(weight), std::move(bias), has_bias);
+      return;
+    }
+  }
+
+  void Add(const OnnxNode& node, std::size_t input, OnnxConstant weight,
+           std::optional<OnnxConstant> bias, bool has_bias) {
+    if (has_bias && !bias) {
+      node.message.Fail(0, "the bias of " + Quoted(node.name) + " is no constant");
+    }
+    OnnxLinear linear{.name = ModuleOf(weight.root, ".weight"),
+                      .weight = std::move(weight.values),
+                      .node = &node,
+                      .input = OriginOf(node, input).linear};
+    if (bias) {
+      if (linear.name.empty()) {
+        linear.name = ModuleOf(bias->root, ".bias");
+      }
+      linear.bias = std::move(bias->values);
+    }
+    const auto found = std::find_if(linears_.begin(), linears_.end(),
+                                    [&](const OnnxLinear& other) { return Same(linear, other); });
+    origins_[node.outputs[0]] = {static_cast<int>(found - linears_.begin()), false};
+    if (found == linears_.end()) {
+      if (linears_.size() == kMostLinears) {
+        node.message.Fail(0, "the model has more than " + std::to_string(kMostLinears) +
+                                 " layers, expected a SuperPoint or a SuperGlue");
+      }
+      linears_.push_back(std::move(linear));
+    }
+  }
+
+  void VisitBatchNorm(const OnnxNode& node) {
+    const Origin origin = OriginOf(node, 0);
+    std::optional<OnnxConstant> parts[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      parts[i] = Constant(node, i + 1);
+      if (!parts[i] || origin.linear < 0) {
+        node.message.Fail(0, "the batch norm " + Quoted(node.name) +
+                                 " does not follow a convolution with constants of its own");
+      }
+    }
+    OnnxBatchNorm norm{.weight = std::move(parts[0]->values),
+                       .bias = std::move(parts[1]->values),
+                       .mean = std::move(parts[2]->values),
+                       .variance = std::move(parts[3]->values),
+                       .after_relu = origin.relu};
+    const auto epsilon = node.attributes.find("epsilon");
+    if (epsilon != node.attributes.end()) {
+      norm.epsilon = static_cast<double>(epsilon->second.number);
+    }
+    const char* endings[] = {".weight", ".bias", ".running_mean", ".running_var"};
+    for (std::size_t i = 0; i < 4 && norm.name.empty(); ++i) {
+      norm.name = ModuleOf(parts[i]->root, endings[i]);
+    }
+    OnnxLinear& linear = linears_[static_cast<std::size_t>(origin.linear)];
+    if (linear.norm &&
+        !(Same(linear.norm->weight, norm.weight) && Same(linear.norm->mean, norm.mean))) {
+      node.message.Fail(0, "the batch norm " + Quoted(node.name) + " follows another");
+    }
+    if (!linear.norm) {
+      linear.norm = std::move(norm);
+    }
+    origins_[node.outputs[0]] = origin;
+  }
+
+  // The sum of a matrix product and its bias goes on being that product; other sums are new.
+  void VisitAdd(const OnnxNode& node) {
+    if (node.inputs.size() == 2) {
+      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+        if (OriginOf(node, side).linear >= 0 && constants_.Get(node.inputs[1 - side])) {
+          origins_[node.outputs[0]] = OriginOf(node, side);
+        }
+      }
+    }
+  }
+
+  void PassThrough(const OnnxNode& node) {
+    static const std::set<std::string_view> kKeeping = {
+        "Relu",      "MaxPool",        "Transpose",        "Identity",
+        "Cast",      "QuantizeLinear", "DequantizeLinear", "Squeeze",
+        "Unsqueeze", "Reshape",        "Dropout",          "Clip"};
+    if (kKeeping.contains(node.op) && !node.inputs.empty()) {
+      Origin origin = OriginOf(node, 0);
+      origin.relu = origin.relu || node.op == "Relu" || node.op == "Clip";
+      origins_[node.outputs[0]] = origin;
+    }
+  }
+
+  Origin OriginOf(const OnnxNode& node, std::size_t input) const {
+    if (input >= node.inputs.size()) {
+      return {};
+    }
+    const auto found = origins_.find(node.inputs[input]);
+    return found == origins_.end() ? Origin{} : found->second;
+  }
+
+  std::optional<OnnxConstant> Constant(const OnnxNode& node, std::size_t input) const {
+    return input < node.inputs.size() ? constants_.Get(node.inputs[input]) : std::nullopt;
+  }
+
+  const OnnxModel& model_;
+  const OnnxConstants& constants_;
+  std::vector<OnnxLinear> linears_;
+  std::map<std::string, Origin> origins_;
+  std::map<std::string, const OnnxNode*> first_uses_;
+};
+
+}  // namespace
+
+std::vector<OnnxLinear> FindLinears(const OnnxModel& model, const OnnxConstants& constants) {
+  return Finder(model, constants).Find();
+}
+
+}  // namespace gluevo::weights_tools
