@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,25 @@ TEST_P(SuperGlueGolden, AssignmentAndMatchesAgree) {
     EXPECT_NEAR(matches.scores0[i], golden.Get("matching_scores0")[i],
                 kNetworkTolerance * expected.cwiseAbs().maxCoeff());
   }
+}
+
+// The rounding of operands to 8 bits errs by at most 2^-9 of each, independently; a token has gone
+// through about five products a layer, whose errors add up like a random walk.
+TEST_P(SuperGlueGolden, Bf16IsCloseToTheExactAssignment) {
+  const auto& [isa, name] = GetParam();
+  const Weights golden = ReadGolden(name);
+  const Features features0 = GoldenFeatures(golden, "0");
+  const Features features1 = GoldenFeatures(golden, "1");
+  const SuperGlue network(WeightsOf(name), Precision::kBf16, isa);
+  ThreadPool pool(2);
+  Workspace workspace(pool);
+  const TensorView<float> log_assignment =
+      network.LogAssignment(features0, features1, {}, workspace);
+  const double tolerance = 0x1p-9 * std::sqrt(5.0 * network.layers());
+  const double error = RelativeRms(log_assignment.Matrix(), golden.Get("log_assignment").Matrix());
+  EXPECT_LT(error, tolerance);
+  // Floats would be much closer: that bf16 ran at all.
+  EXPECT_GT(error, kNetworkTolerance);
 }
 
 std::vector<std::pair<Isa, const char*>> AllGolden() {
