@@ -29,7 +29,7 @@ std::vector<const Kernels*> VectorizedKernels() {
   };
   // On the few x86 CPUs without SSE4 the portable kernels are scalar ones.
   if ((supported & HWY_SSE4) == 0) {
-    tables.push_back(&N_SCALAR::Table());
+    tables.push_back(&ScalarKernels());
   }
   add_if_supported(HWY_SSE4, N_SSE4::Table());
   add_if_supported(HWY_AVX2, N_AVX2::Table());

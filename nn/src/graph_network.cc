@@ -100,8 +100,7 @@ struct GraphNetwork<Element>::Scratch {
 
 template <typename Element>
 template <typename Operand>
-GraphNetwork<Element>::Linear<Operand> GraphNetwork<Element>::Pack(const Affine& affine,
-                                                                   int64_t columns) {
+auto GraphNetwork<Element>::Pack(const Affine& affine, int64_t columns) -> Linear<Operand> {
   using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const Matrix weight = affine.weight.template cast<float>();
   Linear<Operand> linear;
