@@ -10,18 +10,9 @@ import sys
 import numpy as np
 
 from . import agreement, cases, networks, report, rounds
-from .cases import Case, SuperPointCase
-from .contestants import (
-    ENGINES,
-    GLUEVO,
-    Contestant,
-    Gluevo,
-    Key,
-    Outputs,
-    reference,
-    superglue_engine,
-    superpoint_engine,
-)
+from .cases import GLUEVO, Case, Key, Outputs
+from .contestants import Contestant, Engine, Gluevo, reference
+from .engine import ENGINES
 
 FOLDER = networks.ROOT / "build" / "compare_engines"
 
@@ -117,17 +108,12 @@ def make_contestants(
             for precision in precisions:
                 if precision not in ENGINES[engine].PRECISIONS:
                     continue
-                key = Key(engine, precision, threads)
-                if isinstance(case, SuperPointCase):
-                    assert image is not None
-                    contestants.append(superpoint_engine(case, image, key, pause_s))
-                    continue
-                made, sinkhorn = superglue_engine(case, key, pause_s)
+                made = Engine(case, image, Key(engine, precision, threads), pause_s)
                 contestants.append(made)
-                if sinkhorn != ENGINES[engine].NAME:
+                if made.sinkhorn not in ("", ENGINES[engine].NAME):
                     notes.append(
                         f"{case.name}, {precision}, {threads} threads: {ENGINES[engine].NAME} has "
-                        f"no Sinkhorn and takes the fastest of the others, {sinkhorn}'s."
+                        f"no Sinkhorn and takes the fastest of the others, {made.sinkhorn}'s."
                     )
     return contestants, notes
 
@@ -170,8 +156,8 @@ def main() -> int:
     for case in make_cases(arguments):
         print(case.name, file=sys.stderr)
         expected = reference(arguments.gluevo, case, FOLDER)
-        made = make_contestants(case, expected.get("image"), arguments, precisions)
-        contestants, more_notes = made
+        image = expected.pop("image", None)
+        contestants, more_notes = make_contestants(case, image, arguments, precisions)
         lines += check(contestants, expected, case)
         record = rounds.run(contestants, limits)
         for contestant in contestants:

@@ -5,12 +5,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .contestants import Key, Outputs
+from .cases import Key, Outputs
 from .networks import make_golden
 
 # Relative RMS. In fp32 either may err by what tests/nn/golden.h derives for whole networks, 300
-# units of 2^-24. bf16 errs by more than a small mistake in a network would: there fp32 tells whether the
-# network is the same, and this whether the result is of use.
+# units of 2^-24. bf16 errs by more than a small mistake in a network would: there fp32 tells
+# whether the network is the same, and this whether the result is of use.
 TOLERANCE = {"fp32": 2 * 300 * 2.0**-24, "bf16": 0.1}
 # gluevo's own bound is half of that.
 CONFIDENCE_TOLERANCE = 2e-4

@@ -15,6 +15,17 @@ SUPERPOINT = "superpoint"
 SUPERGLUE = "superglue"
 
 
+GLUEVO = "gluevo"
+Outputs = dict[str, np.ndarray]  # By the names of tests/golden/README.md.
+
+
+@dataclasses.dataclass(frozen=True)
+class Key:
+    engine: str  # A name of engine.ENGINES, or GLUEVO.
+    precision: str
+    threads: int
+
+
 @dataclasses.dataclass(frozen=True)
 class SuperPointCase:
     name: str

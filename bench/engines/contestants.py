@@ -1,37 +1,24 @@
-"""One engine with one network, ready to be timed."""
+"""What is timed, each in a process of its own: gluevo and the engines."""
 
-import dataclasses
+import multiprocessing
 import pathlib
 import subprocess
-import time
-from collections.abc import Callable
-from types import ModuleType
+from multiprocessing.connection import Connection
 from typing import Any, Protocol
 
 import numpy as np
 
-from . import ncnn_engine, networks, onnxruntime_engine, openvino_engine
-from .cases import Case, SuperGlueCase, SuperPointCase
+from . import engine, networks
+from .cases import Case, Key, Outputs
 
-GLUEVO = "gluevo"
-ENGINES: dict[str, ModuleType] = {
-    "onnxruntime": onnxruntime_engine,
-    "openvino": openvino_engine,
-    "ncnn": ncnn_engine,
-}
-Outputs = dict[str, np.ndarray]  # By the names of tests/golden/README.md.
 COMPARED = ("score_map", "descriptor_map", "log_assignment")
-
-
-@dataclasses.dataclass(frozen=True)
-class Key:
-    engine: str  # A name of ENGINES, or GLUEVO.
-    precision: str
-    threads: int
+# Not a copy of this process, in which engines may have started threads.
+_PROCESSES = multiprocessing.get_context("spawn")
 
 
 class Contestant(Protocol):
     key: Key
+    pid: int
 
     def measure(self) -> float:
         """Milliseconds of one call."""
@@ -87,95 +74,47 @@ class Gluevo:
 
 
 class Engine:
-    """An inference engine in this process. Its stages run one after the other, each on what the one
-    before returned, after a pause so that none suffers from threads of another engine that still
-    spin; their times are summed."""
+    """An engine.Engine that runs on request."""
 
-    def __init__(
-        self,
-        key: Key,
-        stages: list[Callable[..., Any]],
-        to_outputs: Callable[[Any], Outputs],
-        pause_s: float,
-    ) -> None:
+    def __init__(self, case: Case, image: np.ndarray | None, key: Key, pause_s: float) -> None:
         self.key = key
-        self._stages = stages
-        self._to_outputs = to_outputs
-        self._pause_s = pause_s
-        self._result: Any = None
+        self._connection, other_end = _PROCESSES.Pipe()
+        self._process = _PROCESSES.Process(
+            target=_serve, args=(other_end, case, image, key, pause_s), daemon=True
+        )
+        self._process.start()
+        other_end.close()
+        assert self._process.pid is not None
+        self.pid = self._process.pid
+        self.sinkhorn: str = self._receive()
 
     def measure(self) -> float:
-        total_s = 0.0
-        result: tuple[Any, ...] = ()
-        for index, stage in enumerate(self._stages):
-            if index > 0:
-                time.sleep(self._pause_s)
-            start = time.perf_counter()
-            result = (stage(*result),)
-            total_s += time.perf_counter() - start
-        self._result = result[0]
-        return total_s * 1e3
+        self._connection.send("measure")
+        return self._receive()
 
     def outputs(self) -> Outputs:
-        self.measure()
-        return self._to_outputs(self._result)
+        self._connection.send("outputs")
+        return self._receive()
 
     def close(self) -> None:
-        self._stages = []
-        self._result = None
+        self._connection.close()
+        self._process.join()
+
+    def _receive(self) -> Any:
+        try:
+            return self._connection.recv()
+        except EOFError:
+            raise SystemExit(f"{self.key}: stopped") from None
 
 
-def superpoint_engine(case: SuperPointCase, image: np.ndarray, key: Key, pause_s: float) -> Engine:
-    """`image` [height, width], 0 to 255."""
-    module = ENGINES[key.engine]
-    run = module.superpoint(case.weights, image / np.float32(255), key.precision, key.threads)
-
-    def to_outputs(results: Any) -> Outputs:
-        logits, descriptors = (np.squeeze(module.to_array(value)) for value in results)
-        probability = np.exp(logits - logits.max(axis=0))
-        probability /= probability.sum(axis=0)
-        _, height, width = logits.shape
-        pixels = probability[:64].reshape(8, 8, height, width).transpose(2, 0, 3, 1)
-        return {
-            "score_map": pixels.reshape(8 * height, 8 * width),
-            "descriptor_map": networks.make_golden.unit_length(descriptors, axis=0),
-        }
-
-    return Engine(key, [run], to_outputs, pause_s)
-
-
-def superglue_engine(case: SuperGlueCase, key: Key, pause_s: float) -> tuple[Engine, str]:
-    """And whose Sinkhorn it has."""
-    module = ENGINES[key.engine]
-    graph = module.graph_network(case, key.precision, key.threads)
-    if hasattr(module, "sinkhorn"):
-        transport = module.sinkhorn(case, key.threads)
-        stages: list[Callable[..., Any]] = [lambda: transport(graph())]
-        last = module
-    else:
-        last, transport = fastest_sinkhorn(case, key.threads, pause_s)
-        stages = [graph, lambda scores: transport(module.to_array(scores))]
-
-    def to_outputs(result: Any) -> Outputs:
-        return {"log_assignment": last.to_array(result)}
-
-    return Engine(key, stages, to_outputs, pause_s), last.NAME
-
-
-def fastest_sinkhorn(
-    case: SuperGlueCase, threads: int, pause_s: float
-) -> tuple[ModuleType, Callable[..., Any]]:
-    scores = np.zeros((case.count, case.count), np.float32)
-    candidates = []
-    for module in ENGINES.values():
-        if hasattr(module, "sinkhorn"):
-            run = module.sinkhorn(case, threads)
-            times = []
-            for _ in range(5):
-                time.sleep(pause_s)
-                start = time.perf_counter()
-                run(scores)
-                times.append(time.perf_counter() - start)
-            candidates.append((min(times), module, run))
-    _, module, run = min(candidates, key=lambda candidate: candidate[0])
-    return module, run
+def _serve(
+    connection: Connection, case: Case, image: np.ndarray | None, key: Key, pause_s: float
+) -> None:
+    made = engine.make(case, image, key, pause_s)
+    made.measure()
+    connection.send(made.sinkhorn)
+    try:
+        while True:
+            connection.send(made.measure() if connection.recv() == "measure" else made.outputs())
+    except EOFError:
+        pass

@@ -4,7 +4,8 @@ import statistics
 from collections.abc import Sequence
 
 from .agreement import CONFIDENCE_TOLERANCE, TOLERANCE
-from .contestants import ENGINES, GLUEVO, Key
+from .cases import GLUEVO, Key
+from .engine import ENGINES
 from .networks import SINKHORN_ITERATIONS
 from .rounds import Record
 
