@@ -81,6 +81,20 @@ SuperPoint::SuperPoint(const Weights& weights, Isa isa) : kernels_(&kernels::Ker
   }
 }
 
+void SuperPoint::Project(const Convolution& layer, const float* pixels, int64_t block_stride,
+                         int64_t count, float* out, int64_t out_stride) const {
+  kernels_->matmul({.a0 = pixels,
+                    .a0_block_stride = block_stride,
+                    .a0_blocks = BlocksOf(layer.in_channels),
+                    .b = layer.weights.data(),
+                    .bias = layer.bias.data(),
+                    .c = out,
+                    .c_stride = out_stride,
+                    .c_block_stride = kBlock,
+                    .columns = layer.out_channels,
+                    .rows = count});
+}
+
 TensorView<float> SuperPoint::Scores(const BlockedMap& trunk, Workspace& workspace,
                                      const Buffers& buffers) const {
   const BlockedMap hidden =
@@ -93,16 +107,7 @@ TensorView<float> SuperPoint::Scores(const BlockedMap& trunk, Workspace& workspa
       workspace.arena.Allocate<float>({trunk.height * 8, trunk.width * 8});
   workspace.pool.ParallelFor(trunk.height, [&](int64_t y, int worker) {
     float* const row = logits.data() + worker * trunk.width * stride;
-    kernels_->matmul({.a0 = hidden.pixel(0, y, 0),
-                      .a0_block_stride = hidden.block_stride(),
-                      .a0_blocks = hidden.blocks,
-                      .b = heads_[1].weights.data(),
-                      .bias = heads_[1].bias.data(),
-                      .c = row,
-                      .c_stride = stride,
-                      .c_block_stride = kBlock,
-                      .columns = 65,
-                      .rows = trunk.width});
+    Project(heads_[1], hidden.pixel(0, y, 0), hidden.block_stride(), trunk.width, row, stride);
     kernels_->detector_softmax({.logits = row,
                                 .stride = stride,
                                 .cell_columns = trunk.width,
@@ -153,16 +158,8 @@ void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const
                     operands + (block * kRows + row - begin) * kBlock);
       }
     }
-    kernels_->matmul({.a0 = operands,
-                      .a0_block_stride = kRows * kBlock,
-                      .a0_blocks = hidden.blocks,
-                      .b = heads_[3].weights.data(),
-                      .bias = heads_[3].bias.data(),
-                      .c = projected.data() + begin * descriptor_size_,
-                      .c_stride = descriptor_size_,
-                      .c_block_stride = kBlock,
-                      .columns = descriptor_size_,
-                      .rows = end - begin});
+    Project(heads_[3], operands, kRows * kBlock, end - begin,
+            projected.data() + begin * descriptor_size_, descriptor_size_);
     for (int64_t row = begin; row < end; ++row) {
       NormalizeRow(projected.data() + row * descriptor_size_, descriptor_size_);
     }
@@ -184,16 +181,8 @@ SuperPoint::DenseMaps SuperPoint::Dense(const GrayImage& image, Workspace& works
   Convolve(heads_[2], trunk, hidden, workspace, buffers);
   workspace.pool.ParallelFor(trunk.height, [&](int64_t y, int /*worker*/) {
     float* const row = maps.descriptors.data() + y * trunk.width * descriptor_size_;
-    kernels_->matmul({.a0 = hidden.pixel(0, y, 0),
-                      .a0_block_stride = hidden.block_stride(),
-                      .a0_blocks = hidden.blocks,
-                      .b = heads_[3].weights.data(),
-                      .bias = heads_[3].bias.data(),
-                      .c = row,
-                      .c_stride = descriptor_size_,
-                      .c_block_stride = kBlock,
-                      .columns = descriptor_size_,
-                      .rows = trunk.width});
+    Project(heads_[3], hidden.pixel(0, y, 0), hidden.block_stride(), trunk.width, row,
+            descriptor_size_);
     for (int64_t x = 0; x < trunk.width; ++x) {
       NormalizeRow(row + x * descriptor_size_, descriptor_size_);
     }

@@ -3,7 +3,7 @@
 #include <gluevo/nn/superglue.h>
 #include <gluevo/nn/superpoint.h>
 #include <gluevo/vo/evaluation.h>
-#include <gluevo/weights_tools/inspect.h>
+#include <gluevo/weights_tools/architecture.h>
 
 #include <cstdint>
 #include <iostream>
@@ -35,8 +35,8 @@ int main() {
   const std::vector<Eigen::Vector3d> triangle = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::vector<Eigen::Vector3d> twice = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}};
   const double scale = gluevo::vo::AlignUmeyama(triangle, twice, /*with_scale=*/true).scale;
-  const std::string text =
-      gluevo::weights_tools::InspectionText(gluevo::nn::OpenSuperPointWeights());
-  std::cout << "scale " << scale << '\n' << text.substr(0, text.find('\n')) << '\n';
+  const std::string text = gluevo::weights_tools::NetworkName(
+      gluevo::weights_tools::ReadArchitecture(gluevo::nn::OpenSuperPointWeights()));
+  std::cout << "scale " << scale << '\n' << text << '\n';
   return right > 0 && scale > 1.999 && scale < 2.001 && !text.empty() ? 0 : 1;
 }

@@ -87,6 +87,9 @@ class SuperPoint {
                                   const Buffers& buffers) const;
   void Convolve(const Convolution& layer, const kernels::BlockedMap& in,
                 const kernels::BlockedMap& out, Workspace& workspace, const Buffers& buffers) const;
+  // A 1x1 convolution of pixels in blocks of channels, to rows of floats.
+  void Project(const Convolution& layer, const float* pixels, int64_t block_stride, int64_t count,
+               float* out, int64_t out_stride) const;
   // [8 h x 8 w]
   TensorView<float> Scores(const kernels::BlockedMap& trunk, Workspace& workspace,
                            const Buffers& buffers) const;
