@@ -74,6 +74,7 @@ constexpr int kMostThreads = 4096;
 
 }  // namespace
 
+// NOLINTNEXTLINE(clang-analyzer-optin.performance.Padding): apart on purpose
 struct ThreadPool::State {
   std::mutex run_mutex;  // One loop at a time.
 

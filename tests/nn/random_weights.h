@@ -20,8 +20,8 @@ class RandomWeights {
                       double gain = 2.0) {
     const Shape weight_shape(shape);
     const int64_t outputs = weight_shape[0];
-    const double fan_in = static_cast<double>(weight_shape.size() / outputs);
-    Fill(name + ".weight", weight_shape, std::sqrt(gain / fan_in));
+    const int64_t fan_in = weight_shape.size() / outputs;
+    Fill(name + ".weight", weight_shape, std::sqrt(gain / static_cast<double>(fan_in)));
     Fill(name + ".bias", {outputs}, 0.01);
   }
   /// The identity, but for rounding.
