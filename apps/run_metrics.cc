@@ -53,6 +53,8 @@ void RunMetrics::FrameIsRead() { read_ms_ = Milliseconds(Clock::now() - frame_st
 void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frame_end_ = Clock::now();
   frames_.push_back(result);
+  // The record must stay small however long the sequence is.
+  frames_.back().tracked_frame = {};
   stages_ms_["read"].push_back(read_ms_);
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);

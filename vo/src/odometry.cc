@@ -97,6 +97,8 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   result.stages_ms = tracked.stages_ms;
   result.stages_ms["frontend"] = frontend_ms;
   result.stages_ms["estimator"] = total.ElapsedMs() - frontend_ms;
+  result.tracked_frame = std::move(tracked);
+  frontend_->Accept(result.is_keyframe);
   last_but_one_ = std::exchange(last_, StampedPose{frame.timestamp_ns, result.world_from_body});
   return result;
 }

@@ -49,6 +49,21 @@ std::size_t SlidingWindow::CountLandmarks() const {
                     [](const auto& entry) { return entry.second.point.has_value(); }));
 }
 
+std::vector<MapPoint> SlidingWindow::MapPoints() const {
+  std::vector<MapPoint> points;
+  for (const auto& [id, landmark] : landmarks_) {
+    if (landmark.point) {
+      const Rigid3 world_from_anchor =
+          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+      points.push_back(
+          {landmark.track_id,
+           world_from_anchor *
+               Eigen::Vector3d(landmark.point->head<2>().homogeneous() / landmark.point->z())});
+    }
+  }
+  return points;
+}
+
 std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
   const auto found = std::lower_bound(frames_.begin(), frames_.end(), frame_id,
                                       [](const Frame& frame, int64_t id) { return frame.id < id; });

@@ -38,6 +38,7 @@ struct FrameResult {
   int stereo = 0;                           ///< Of these, seen by both cameras.
   int inliers = 0;                          ///< Known points that agree with the pose.
   int landmarks = 0;                        ///< Landmarks with a depth in the window.
+  TrackedFrame tracked_frame;               ///< What the pose was estimated from.
   std::map<std::string, double> stages_ms;  ///< The front end's, "frontend" and "estimator".
 };
 
@@ -52,6 +53,9 @@ class Odometry {
   /// The next stereo pair. Throws Error where the time does not increase, and what the front end
   /// throws.
   FrameResult Process(const StereoFrame& frame);
+
+  /// The landmarks of the window that have a depth, as they are known after the last frame.
+  std::vector<MapPoint> MapPoints() const { return window_.MapPoints(); }
 
  private:
   struct FramePose {

@@ -49,6 +49,12 @@ struct SlidingWindowOptions {
   void Validate() const;
 };
 
+/// A point of the scene and the track that shows it.
+struct MapPoint {
+  int64_t track_id = 0;
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();  ///< Metres.
+};
+
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
 /// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
 /// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
@@ -65,6 +71,7 @@ class SlidingWindow {
   bool newest_is_keyframe() const { return frames_.back().is_keyframe; }
   /// Landmarks that have a depth.
   std::size_t CountLandmarks() const;
+  std::vector<MapPoint> MapPoints() const;
 
   /// An observation of a frame that is not in the window yet, with the landmark it belongs to.
   struct Correspondence {
