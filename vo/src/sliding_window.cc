@@ -131,6 +131,11 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(
 void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from_body,
                              const std::vector<std::optional<PnpVerdict>>& verdicts) {
   frames_.push_back({next_frame_id_++, world_from_body});
+  if (options_.marginalize && frames_.size() == 1) {
+    prior_ =
+        PosePrior::OfOneFrame(frames_.front().id, world_from_body, rig_.body_from_cam[1].rotation,
+                              kGaugePositionSigma, kGaugeRotationSigma);
+  }
   std::size_t new_tracks = 0;
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const Observation& observation = frame.observations[i];
@@ -144,7 +149,9 @@ void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from
       landmarks_[next_landmark_id_++] = {observation.track_id, {view}, std::nullopt};
       ++new_tracks;
     } else {
-      landmarks_.at(track->second).views.push_back(view);
+      Landmark& landmark = landmarks_.at(track->second);
+      landmark.views.push_back(view);
+      ++landmark.observations;
     }
   }
   DecideKeyframe(new_tracks);
@@ -155,9 +162,9 @@ void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
   std::size_t tracked = 0;
   std::size_t long_tracked = 0;
   for (const auto& [id, landmark] : landmarks_) {
-    if (landmark.views.size() > 1 && landmark.views.back().frame_id == newest.id) {
+    if (landmark.observations > 1 && landmark.views.back().frame_id == newest.id) {
       ++tracked;
-      long_tracked += landmark.views.size() >= static_cast<std::size_t>(options_.long_track);
+      long_tracked += landmark.observations >= options_.long_track;
     }
   }
   newest.lost_tracks = frames_.size() < 2 ||
@@ -205,6 +212,7 @@ void SlidingWindow::Triangulate() {
       const std::vector<LandmarkView> newest = {landmark.views.back()};
       if (const auto point = TriangulateViews(newest)) {
         landmark.views = newest;
+        landmark.observations = 1;
         landmark.point = point;
       }
     }
@@ -260,6 +268,7 @@ void SlidingWindow::RemoveOutliers() {
     } else if (landmark.views.back().frame_id == frames_.back().id) {
       // The track goes on: what the newest frame sees may be right.
       it->second.views = {landmark.views.back()};
+      it->second.observations = 1;
       it->second.point = TriangulateViews(landmark.views);
       ++it;
     } else {
@@ -273,8 +282,30 @@ void SlidingWindow::Slide() {
     return;
   }
   const std::size_t newest_but_one = frames_.size() - 2;
-  const bool keep = frames_[newest_but_one].is_keyframe || frames_.back().lost_tracks;
-  DropFrame(keep ? 0 : newest_but_one);
+  if (!frames_[newest_but_one].is_keyframe && !frames_.back().lost_tracks) {
+    if (prior_ && prior_->Find(frames_[newest_but_one].id)) {
+      prior_ = WithoutFrame(*prior_, frames_[newest_but_one].id);
+    }
+    DropFrame(newest_but_one);
+    return;
+  }
+  if (prior_) {
+    MarginalizeOldest();
+  }
+  DropFrame(0);
+}
+
+void SlidingWindow::DropFirstViews(Landmark& landmark, std::size_t count) {
+  const Rigid3 world_from_anchor =
+      FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+  landmark.views.erase(landmark.views.begin(),
+                       landmark.views.begin() + static_cast<std::ptrdiff_t>(count));
+  if (landmark.point && !landmark.views.empty()) {
+    const Rigid3 world_from_cam =
+        FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+    const Eigen::Vector3d in_anchor = landmark.point->head<2>().homogeneous() / landmark.point->z();
+    landmark.point = ToInverseDepth(world_from_cam.Inverse() * (world_from_anchor * in_anchor));
+  }
 }
 
 void SlidingWindow::DropFrame(std::size_t index) {
@@ -283,26 +314,12 @@ void SlidingWindow::DropFrame(std::size_t index) {
     Landmark& landmark = it->second;
     const auto view = std::find_if(landmark.views.begin(), landmark.views.end(),
                                    [&](const LandmarkView& v) { return v.frame_id == frame_id; });
-    if (view == landmark.views.end()) {
-      ++it;
-      continue;
+    if (view == landmark.views.begin() && view != landmark.views.end()) {
+      DropFirstViews(landmark, 1);
+    } else if (view != landmark.views.end()) {
+      landmark.views.erase(view);
     }
-    const bool is_anchor = view == landmark.views.begin();
-    std::optional<Eigen::Vector3d> point_in_world;
-    if (is_anchor && landmark.point) {
-      point_in_world = ToAnchoredPoint(landmark).InWorld();
-    }
-    landmark.views.erase(view);
-    if (landmark.views.empty()) {
-      it = Erase(it);
-      continue;
-    }
-    if (point_in_world) {
-      const Rigid3 world_from_cam =
-          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
-      landmark.point = ToInverseDepth(world_from_cam.Inverse() * *point_in_world);
-    }
-    ++it;
+    it = landmark.views.empty() ? Erase(it) : std::next(it);
   }
   frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(index));
 }

@@ -12,6 +12,7 @@
 #include "gluevo/vo/camera.h"
 #include "gluevo/vo/frontend.h"
 #include "gluevo/vo/pnp.h"
+#include "gluevo/vo/pose_prior.h"
 #include "gluevo/vo/rigid3.h"
 #include "gluevo/vo/triangulation.h"
 
@@ -43,6 +44,9 @@ struct SlidingWindowOptions {
   /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
   /// wrong by a percent.
   double right_turn_sigma = 5e-4;
+  /// Whether a dropped frame leaves what it knew to those that remain (a prior). Without, the
+  /// oldest pose is held where it is.
+  bool marginalize = true;
   TriangulationOptions triangulation;
 
   /// Throws Error naming the option.
@@ -57,8 +61,7 @@ struct MapPoint {
 
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
 /// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
-/// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
-/// is the gauge.
+/// the left view of the first frame in the window that sees them.
 class SlidingWindow {
  public:
   SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options);
@@ -95,8 +98,9 @@ class SlidingWindow {
   /// Drops landmarks that fit badly or came to lie behind a camera that sees them; those seen in
   /// the newest frame start again from it.
   void RemoveOutliers();
-  /// Makes room for the next frame: where the window is full, drops the newest but one if it is no
-  /// key frame (and tracking has not just broken down), else the oldest.
+  /// Makes room for the next frame: where the window is full, the newest but one leaves if it is
+  /// no key frame (and tracking has not just broken down), else the oldest. What the oldest frame
+  /// and the landmarks anchored in it say of the other poses stays as a prior.
   void Slide();
 
  private:
@@ -116,8 +120,14 @@ class SlidingWindow {
     std::vector<LandmarkView> views;  // in order of frames; the first is the anchor
     /// Estimate in the anchor's left view: u, v on the normalised plane, inverse depth (1/m).
     std::optional<Eigen::Vector3d> point;
+    int observations = 1;  // views that the window has let go included
   };
   using Landmarks = std::map<int64_t, Landmark>;
+
+  // How firmly the world's frame is tied to the oldest pose, whose place in it is arbitrary:
+  // enough for the solver, far too little to count as knowledge of motion.
+  static constexpr double kGaugePositionSigma = 1.0;  // metres
+  static constexpr double kGaugeRotationSigma = 0.1;  // radians
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {
@@ -132,6 +142,13 @@ class SlidingWindow {
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
+  /// Puts all that is measured between the oldest frame and others into the prior, and takes it
+  /// out of the landmarks: no measurement counts twice.
+  void MarginalizeOldest();
+  void AddToMarginalizer(const Landmark& landmark, std::size_t views, Marginalizer& marginalizer,
+                         const PosePrior& linearization) const;
+  /// Removes a landmark's first views; the point moves on to the new anchor.
+  void DropFirstViews(Landmark& landmark, std::size_t count);
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
@@ -141,6 +158,7 @@ class SlidingWindow {
   std::deque<Frame> frames_;
   Landmarks landmarks_;  // by a number of their own: a track may have had several
   std::unordered_map<int64_t, int64_t> landmark_of_track_;
+  std::optional<PosePrior> prior_;
   int64_t next_frame_id_ = 0;
   int64_t next_landmark_id_ = 0;
 };
