@@ -10,18 +10,17 @@
 #include <vector>
 
 #include "commands.h"
+#include "frontend_options.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/vo/dataset.h"
 #include "gluevo/vo/evaluation.h"
-#include "gluevo/vo/klt_frontend.h"
-#include "gluevo/vo/learned_frontend.h"
-#include "gluevo/vo/network_matcher.h"
+#include "gluevo/vo/match_store.h"
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/trajectory.h"
-#include "network_options.h"
 #include "progress.h"
 #include "run_metrics.h"
+#include "run_replay.h"
 #include "yaml_config.h"
 
 namespace gluevo::apps {
@@ -33,35 +32,20 @@ struct RunArguments {
   fs::path dataset;
   fs::path output;
   fs::path config;
-  std::string method = "superglue";
-  std::string matcher = "superglue";
   std::string format;
   fs::path calibration;
   fs::path groundtruth;
   std::string trajectory_format = "tum";
   vo::DatasetOptions frames;
-  NetworkOptions networks;
-  nn::SuperPointOptions superpoint = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
-  vo::LearnedFrontEndOptions learned;
-  vo::KltOptions klt;
+  fs::path save_matches;
+  fs::path replay;
+  FrontEndArguments frontend;
   vo::OdometryOptions odometry;
 };
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
   command.add_option("-o,--output", arguments.output, "Folder for the results")->required();
-  command
-      .add_option("--method", arguments.method,
-                  "Front end: superglue (SuperPoint and SuperGlue) or klt (corners and optical "
-                  "flow)")
-      ->check(CLI::IsMember({"superglue", "klt"}))
-      ->capture_default_str();
-  command
-      .add_option("--matcher", arguments.matcher,
-                  "What matches SuperPoint's keypoints: superglue, or nn for mutual nearest "
-                  "neighbours")
-      ->check(CLI::IsMember({"superglue", "nn"}))
-      ->capture_default_str();
   command.add_option("--config", arguments.config,
                      "YAML file with values for any of these options; the command line goes first");
   command
@@ -81,36 +65,17 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Format of the trajectories: tum, euroc or kitti")
       ->check(CLI::IsMember({"tum", "euroc", "kitti"}))
       ->capture_default_str();
-  AddNetworkOptions(command, arguments.networks);
-
-  const std::string tuning = "Tuning";
-  AddSuperPointOptions(command, arguments.superpoint);
+  CLI::Option* const save = command.add_option("--save-matches", arguments.save_matches,
+                                               "HDF5 file to write the matches of all frames to");
   command
-      .add_option("--tracking-threshold", arguments.learned.tracking_threshold,
-                  "Confidence of a match from the previous left image")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--stereo-threshold", arguments.learned.stereo_threshold,
-                  "Confidence of a match from left to right")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--max-epipolar-error", arguments.learned.max_epipolar_error_px,
-                  "Largest distance of a stereo match from its epipolar line, pixels")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--min-distance", arguments.learned.min_distance_px,
-                  "Smallest distance between observed points, pixels")
-      ->capture_default_str()
-      ->group(tuning);
-  command.add_option("--klt-corners", arguments.klt.max_corners, "Corners of the klt method")
-      ->capture_default_str()
-      ->group(tuning);
+      .add_option("--replay", arguments.replay,
+                  "Take the matches from such a file: reads no images and runs no networks; the "
+                  "frames are the stored run's where no option chooses others")
+      ->excludes(save);
+  AddFrontEndOptions(command, arguments.frontend);
   command.add_option("--window", arguments.odometry.window.size, "Frames of the sliding window")
       ->capture_default_str()
-      ->group(tuning);
+      ->group("Tuning");
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum and "
       "DIR/metrics.json.\nExample:\n  gluevo run data/V1_01_easy -o results/V1_01");
@@ -136,41 +101,52 @@ vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
   return options;
 }
 
-std::unique_ptr<vo::FrontEnd> MakeFrontEnd(const RunArguments& arguments, const vo::StereoRig& rig,
-                                           const Networks& networks, nn::ThreadPool& pool) {
-  if (arguments.method == "klt") {
-    return std::make_unique<vo::KltFrontEnd>(rig, arguments.klt);
-  }
-  constexpr int kSinkhornIterations = 100;
-  std::unique_ptr<vo::Matcher> matcher =
-      networks.superglue != nullptr
-          ? vo::MakeSuperGlueMatcher(networks.superglue, kSinkhornIterations, pool)
-          : vo::MakeNearestNeighborMatcher();
-  return std::make_unique<vo::LearnedFrontEnd>(
-      rig, vo::MakeSuperPointExtractor(networks.superpoint, arguments.superpoint, pool),
-      std::move(matcher), vo::MakeNearestNeighborMatcher(), arguments.learned);
-}
-
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
   return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
 }
 
-void Run(const RunArguments& arguments, const CLI::App& command) {
+std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
+  std::vector<int64_t> timestamps_ns;
+  for (const vo::Dataset::Entry& entry : dataset.entries) {
+    timestamps_ns.push_back(entry.timestamp_ns);
+  }
+  return timestamps_ns;
+}
+
+void Run(RunArguments arguments, const CLI::App& command) {
+  std::string method = arguments.frontend.method;
+  std::optional<vo::MatchStoreReader> store;
+  if (!arguments.replay.empty()) {
+    store.emplace(arguments.replay);
+    method = ReplayedMethod(command, *store);
+    SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
+                         arguments.frames.stride);
+  }
   const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
-  nn::ThreadPool pool(arguments.networks.threads);
-  vo::OdometryOptions odometry_options = arguments.odometry;
-  if (arguments.method == "klt") {
+  nn::ThreadPool pool(arguments.frontend.networks.threads);
+  cv::setNumThreads(pool.size());
+  if (method == "klt") {
     // The baseline trusts its calibration, as VINS-Fusion does: the errors of optical flow between
     // the two cameras are not zero on average, and would pass for an error of the calibration.
-    odometry_options.window.right_turn_sigma = 0.0;
+    arguments.odometry.window.right_turn_sigma = 0.0;
   }
-  cv::setNumThreads(pool.size());
   Networks networks;
-  if (arguments.method != "klt") {
-    networks = LoadNetworks(arguments.networks, arguments.matcher == "superglue");
+  std::unique_ptr<vo::FrontEnd> frontend;
+  const bool is_replay = store.has_value();
+  if (is_replay) {
+    networks.superpoint_record = ReplayedWeights(*store, "superpoint");
+    networks.superglue_record = ReplayedWeights(*store, "superglue");
+    frontend =
+        std::make_unique<vo::ReplayFrontEnd>(*std::move(store), dataset.rig, TimesOf(dataset));
+  } else {
+    networks = LoadFrontEndNetworks(arguments.frontend);
+    frontend = MakeFrontEnd(arguments.frontend, dataset.rig, networks, pool);
   }
-  vo::Odometry odometry(dataset.rig, MakeFrontEnd(arguments, dataset.rig, networks, pool),
-                        odometry_options);
+  vo::Odometry odometry(dataset.rig, std::move(frontend), arguments.odometry);
+  std::optional<vo::MatchStoreWriter> saved;
+  if (!arguments.save_matches.empty()) {
+    saved.emplace(arguments.save_matches, dataset.rig, MakeRunRecord(command, method, networks));
+  }
 
   RunMetrics metrics;
   vo::Trajectory trajectory;
@@ -179,10 +155,14 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
     Progress progress("frame", dataset.entries.size());
     for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
       metrics.StartFrame();
-      const vo::StereoFrame frame = dataset.Read(i);
+      const vo::StereoFrame frame =
+          is_replay ? vo::StereoFrame{dataset.entries[i].timestamp_ns, {}} : dataset.Read(i);
       metrics.FrameIsRead();
       const vo::FrameResult result = odometry.Process(frame);
       metrics.FrameIsDone(result);
+      if (saved) {
+        saved->Add(result.tracked_frame);
+      }
       trajectory.push_back({result.timestamp_ns, result.world_from_body});
       if (result.is_keyframe) {
         keyframes.push_back(trajectory.back());
@@ -190,6 +170,9 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
       progress.Update(i + 1, std::to_string(result.inliers) + " inliers, segment " +
                                  std::to_string(result.segment));
     }
+  }
+  if (saved) {
+    saved->Finish();
   }
 
   fs::create_directories(arguments.output);
@@ -214,7 +197,7 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
       evaluation_failure = error.what();
     }
   }
-  metrics.Write(arguments.output / "metrics.json", {.method = arguments.method,
+  metrics.Write(arguments.output / "metrics.json", {.method = method,
                                                     .threads = pool.size(),
                                                     .superpoint = networks.superpoint_record,
                                                     .superglue = networks.superglue_record,
