@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "estimator_options.h"
 #include "frontend_options.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
@@ -40,7 +41,7 @@ struct RunArguments {
   fs::path save_matches;
   fs::path replay;
   FrontEndArguments frontend;
-  vo::OdometryOptions odometry;
+  EstimatorOptions estimator;
 };
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
@@ -73,9 +74,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
   AddFrontEndOptions(command, arguments.frontend);
-  command.add_option("--window", arguments.odometry.window.size, "Frames of the sliding window")
-      ->capture_default_str()
-      ->group("Tuning");
+  AddEstimatorOptions(command, arguments.estimator);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum and "
       "DIR/metrics.json.\nExample:\n  gluevo run data/V1_01_easy -o results/V1_01");
@@ -125,11 +124,6 @@ void Run(RunArguments arguments, const CLI::App& command) {
   const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
   nn::ThreadPool pool(arguments.frontend.networks.threads);
   cv::setNumThreads(pool.size());
-  if (method == "klt") {
-    // The baseline trusts its calibration, as VINS-Fusion does: the errors of optical flow between
-    // the two cameras are not zero on average, and would pass for an error of the calibration.
-    arguments.odometry.window.right_turn_sigma = 0.0;
-  }
   Networks networks;
   std::unique_ptr<vo::FrontEnd> frontend;
   const bool is_replay = store.has_value();
@@ -142,7 +136,8 @@ void Run(RunArguments arguments, const CLI::App& command) {
     networks = LoadFrontEndNetworks(arguments.frontend);
     frontend = MakeFrontEnd(arguments.frontend, dataset.rig, networks, pool);
   }
-  vo::Odometry odometry(dataset.rig, std::move(frontend), arguments.odometry);
+  vo::Odometry odometry(dataset.rig, std::move(frontend),
+                        ResolveEstimatorOptions(arguments.estimator, method));
   std::optional<vo::MatchStoreWriter> saved;
   if (!arguments.save_matches.empty()) {
     saved.emplace(arguments.save_matches, dataset.rig, MakeRunRecord(command, method, networks));

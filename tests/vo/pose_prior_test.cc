@@ -171,18 +171,5 @@ TEST(Marginalizer, ALandmarkWithoutDepthSaysLess) {
   EXPECT_EQ(marginalizer.Eliminate(0).jacobian.rows(), 6);
 }
 
-TEST(PosePrior, OfOneFrameHoldsThatFrame) {
-  const Rigid3 pose{ExpSo3({0.1, 0.2, 0.3}), {1.0, 2.0, 3.0}};
-  const PosePrior prior = PosePrior::OfOneFrame(7, pose, Eigen::Quaterniond::Identity(), 0.5, 0.1);
-  PoseManifold::Tangent step;
-  step << 1.0, 0.0, 0.0, 0.0, 0.2, 0.0;
-  const Eigen::VectorXd residual =
-      prior.residual + prior.jacobian * prior.Delta({PoseManifold::Plus(pose, step)},
-                                                    Eigen::Quaterniond::Identity());
-  EXPECT_NEAR(residual[0], 2.0, 1e-12);
-  EXPECT_NEAR(residual[4], 2.0, 1e-12);
-  EXPECT_NEAR(residual.norm(), std::sqrt(8.0), 1e-12);
-}
-
 }  // namespace
 }  // namespace gluevo::vo

@@ -55,6 +55,7 @@ bool SlidingWindow::Optimize() {
     poses.push_back(ToParameters(frame.world_from_body));
     problem.AddParameterBlock(poses.back().data(), PoseManifold::kAmbientSize, &manifold);
   }
+  problem.SetParameterBlockConstant(poses.front().data());
 
   // The left camera is the rig's reference; the right one's orientation may be refined.
   std::array<Eigen::Vector3d, 2> turns = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
@@ -78,8 +79,6 @@ bool SlidingWindow::Optimize() {
     blocks.push_back(turns[1].data());
     problem.AddResidualBlock(new PosePriorFactor(*prior_, rig_.body_from_cam[1].rotation), nullptr,
                              blocks);
-  } else {
-    problem.SetParameterBlockConstant(poses.front().data());
   }
 
   // The landmarks are eliminated first (Schur complement). Ceres orders blocks by their addresses:
@@ -138,7 +137,7 @@ bool SlidingWindow::Optimize() {
   if (!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost)) {
     return false;
   }
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
+  for (std::size_t i = 1; i < frames_.size(); ++i) {
     frames_[i].world_from_body = ToRigid3(poses[i].data());
   }
   rig_.body_from_cam[1].rotation =

@@ -14,7 +14,7 @@ constexpr int kTurn = PosePrior::kTurn;
 
 // Directions that are known less well than this share of the best known one are not known at all:
 // their values are rounding errors.
-constexpr double kLeastShare = 1e-12;
+constexpr double kLeastShare = 1e-10;
 
 // d Log(exp(v) exp(d)) / d d at d = 0: the inverse of the right Jacobian of SO(3) (Forster et al.
 // 2017, eq. 8 and following).
@@ -33,17 +33,6 @@ Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& v) {
 Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
                             const Eigen::Quaterniond& body_from_right) {
   return LogSo3(body_from_right.conjugate() * body_from_right_before);
-}
-
-PosePrior PosePrior::OfOneFrame(int64_t frame_id, const Rigid3& world_from_body,
-                                const Eigen::Quaterniond& body_from_right, double position_sigma,
-                                double rotation_sigma) {
-  PosePrior prior{{frame_id}, {world_from_body}, body_from_right, {}, {}};
-  prior.jacobian = Eigen::MatrixXd::Zero(kPose, kPose + kTurn);
-  prior.jacobian.diagonal().head<3>().setConstant(1.0 / position_sigma);
-  prior.jacobian.diagonal().segment<3>(3).setConstant(1.0 / rotation_sigma);
-  prior.residual = Eigen::VectorXd::Zero(kPose);
-  return prior;
 }
 
 std::optional<std::size_t> PosePrior::Find(int64_t frame_id) const {

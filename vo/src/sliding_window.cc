@@ -131,11 +131,6 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(
 void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from_body,
                              const std::vector<std::optional<PnpVerdict>>& verdicts) {
   frames_.push_back({next_frame_id_++, world_from_body});
-  if (options_.marginalize && frames_.size() == 1) {
-    prior_ =
-        PosePrior::OfOneFrame(frames_.front().id, world_from_body, rig_.body_from_cam[1].rotation,
-                              kGaugePositionSigma, kGaugeRotationSigma);
-  }
   std::size_t new_tracks = 0;
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const Observation& observation = frame.observations[i];
@@ -289,23 +284,10 @@ void SlidingWindow::Slide() {
     DropFrame(newest_but_one);
     return;
   }
-  if (prior_) {
+  if (options_.marginalize) {
     MarginalizeOldest();
   }
   DropFrame(0);
-}
-
-void SlidingWindow::DropFirstViews(Landmark& landmark, std::size_t count) {
-  const Rigid3 world_from_anchor =
-      FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
-  landmark.views.erase(landmark.views.begin(),
-                       landmark.views.begin() + static_cast<std::ptrdiff_t>(count));
-  if (landmark.point && !landmark.views.empty()) {
-    const Rigid3 world_from_cam =
-        FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
-    const Eigen::Vector3d in_anchor = landmark.point->head<2>().homogeneous() / landmark.point->z();
-    landmark.point = ToInverseDepth(world_from_cam.Inverse() * (world_from_anchor * in_anchor));
-  }
 }
 
 void SlidingWindow::DropFrame(std::size_t index) {
@@ -314,12 +296,26 @@ void SlidingWindow::DropFrame(std::size_t index) {
     Landmark& landmark = it->second;
     const auto view = std::find_if(landmark.views.begin(), landmark.views.end(),
                                    [&](const LandmarkView& v) { return v.frame_id == frame_id; });
-    if (view == landmark.views.begin() && view != landmark.views.end()) {
-      DropFirstViews(landmark, 1);
-    } else if (view != landmark.views.end()) {
-      landmark.views.erase(view);
+    if (view == landmark.views.end()) {
+      ++it;
+      continue;
     }
-    it = landmark.views.empty() ? Erase(it) : std::next(it);
+    const bool is_anchor = view == landmark.views.begin();
+    std::optional<Eigen::Vector3d> point_in_world;
+    if (is_anchor && landmark.point) {
+      point_in_world = ToAnchoredPoint(landmark).InWorld();
+    }
+    landmark.views.erase(view);
+    if (landmark.views.empty()) {
+      it = Erase(it);
+      continue;
+    }
+    if (point_in_world) {
+      const Rigid3 world_from_cam =
+          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+      landmark.point = ToInverseDepth(world_from_cam.Inverse() * *point_in_world);
+    }
+    ++it;
   }
   frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(index));
 }

@@ -42,50 +42,37 @@ class Linearized {
 }  // namespace
 
 void SlidingWindow::MarginalizeOldest() {
-  PosePrior linearization{{}, {}, prior_->body_from_right, {}, {}};
+  PosePrior linearization;
+  linearization.body_from_right = prior_ ? prior_->body_from_right : rig_.body_from_cam[1].rotation;
   for (const Frame& frame : frames_) {
-    const auto in_prior = prior_->Find(frame.id);
+    const auto in_prior = prior_ ? prior_->Find(frame.id) : std::nullopt;
     linearization.frame_ids.push_back(frame.id);
     linearization.world_from_body.push_back(in_prior ? prior_->world_from_body[*in_prior]
                                                      : frame.world_from_body);
   }
   Marginalizer marginalizer(linearization.frame_ids, linearization.world_from_body,
                             linearization.body_from_right);
-  marginalizer.AddPrior(*prior_);
-
+  if (prior_) {
+    marginalizer.AddPrior(*prior_);
+  }
   const int64_t oldest_id = frames_.front().id;
   const int64_t newest_id = frames_.back().id;
-  const int64_t last_keyframe_id = frames_[frames_.size() - 2].id;
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
-    Landmark& landmark = it->second;
-    if (landmark.views.front().frame_id != oldest_id || !landmark.point) {
+    const Landmark& landmark = it->second;
+    if (landmark.views.front().frame_id != oldest_id || !landmark.point ||
+        landmark.views.back().frame_id == newest_id) {
       ++it;
       continue;
     }
-    // A track that goes on keeps its views in the last key frame and after it; what came before
-    // becomes part of the prior.
-    const bool goes_on = landmark.views.back().frame_id == newest_id;
-    const auto views = static_cast<std::size_t>(std::count_if(
-        landmark.views.begin(), landmark.views.end(),
-        [&](const LandmarkView& view) { return !goes_on || view.frame_id < last_keyframe_id; }));
-    if (views > 1) {
-      AddToMarginalizer(landmark, views, marginalizer, linearization);
+    if (landmark.views.size() > 1) {
+      AddToMarginalizer(landmark, marginalizer, linearization);
     }
-    DropFirstViews(landmark, views);
-    it = landmark.views.empty() ? Erase(it) : std::next(it);
+    it = Erase(it);
   }
-  // The world's frame stays known however far the rig has come: the next frame is where it is.
-  PosePrior gauge = PosePrior::OfOneFrame(
-      linearization.frame_ids[1], linearization.world_from_body[1], linearization.body_from_right,
-      kGaugePositionSigma, kGaugeRotationSigma);
-  gauge.residual =
-      -gauge.jacobian * gauge.Delta({frames_[1].world_from_body}, linearization.body_from_right);
-  marginalizer.AddPrior(gauge);
   prior_ = marginalizer.Eliminate(oldest_id);
 }
 
-void SlidingWindow::AddToMarginalizer(const Landmark& landmark, std::size_t views,
-                                      Marginalizer& marginalizer,
+void SlidingWindow::AddToMarginalizer(const Landmark& landmark, Marginalizer& marginalizer,
                                       const PosePrior& linearization) const {
   std::vector<PoseParameters> present, first_estimates;
   std::vector<Rigid3> present_poses;
@@ -97,6 +84,7 @@ void SlidingWindow::AddToMarginalizer(const Landmark& landmark, std::size_t view
   const Eigen::Vector3d no_turn = Eigen::Vector3d::Zero();
   const double weight = 1.0 / options_.noise;
   const Rigid3 right_from_left = rig_.right_from_left();
+  const std::size_t views = landmark.views.size();
   const auto columns = static_cast<Eigen::Index>(kPose * frames_.size() + kTurn);
   Eigen::MatrixXd by_state = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(4 * views), columns);
   Eigen::Matrix<double, Eigen::Dynamic, 3> by_landmark =

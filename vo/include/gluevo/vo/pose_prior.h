@@ -33,12 +33,6 @@ struct PosePrior {
   Eigen::MatrixXd jacobian;  ///< Rows x (6 * frames + 3); residuals have no unit.
   Eigen::VectorXd residual;  ///< r0.
 
-  /// That one frame is where it is within the given standard deviations (metres, radians): enough
-  /// to fix the world's frame, and no claim about motion.
-  static PosePrior OfOneFrame(int64_t frame_id, const Rigid3& world_from_body,
-                              const Eigen::Quaterniond& body_from_right, double position_sigma,
-                              double rotation_sigma);
-
   /// Index of a frame in frame_ids, nothing where it has no column.
   std::optional<std::size_t> Find(int64_t frame_id) const;
   /// dx: the given state's distance from the linearisation point.

@@ -44,8 +44,7 @@ struct SlidingWindowOptions {
   /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
   /// wrong by a percent.
   double right_turn_sigma = 5e-4;
-  /// Whether a dropped frame leaves what it knew to those that remain (a prior). Without, the
-  /// oldest pose is held where it is.
+  /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
   bool marginalize = true;
   TriangulationOptions triangulation;
 
@@ -61,7 +60,8 @@ struct MapPoint {
 
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
 /// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
-/// the left view of the first frame in the window that sees them.
+/// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
+/// is the gauge.
 class SlidingWindow {
  public:
   SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options);
@@ -120,14 +120,9 @@ class SlidingWindow {
     std::vector<LandmarkView> views;  // in order of frames; the first is the anchor
     /// Estimate in the anchor's left view: u, v on the normalised plane, inverse depth (1/m).
     std::optional<Eigen::Vector3d> point;
-    int observations = 1;  // views that the window has let go included
+    int observations = 1;  // dropped views included
   };
   using Landmarks = std::map<int64_t, Landmark>;
-
-  // How firmly the world's frame is tied to the oldest pose, whose place in it is arbitrary:
-  // enough for the solver, far too little to count as knowledge of motion.
-  static constexpr double kGaugePositionSigma = 1.0;  // metres
-  static constexpr double kGaugeRotationSigma = 0.1;  // radians
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {
@@ -142,13 +137,12 @@ class SlidingWindow {
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
-  /// Puts all that is measured between the oldest frame and others into the prior, and takes it
-  /// out of the landmarks: no measurement counts twice.
+  /// Puts into the prior what the landmarks say that are anchored in the oldest frame and no longer
+  /// tracked, and removes them. Those that are tracked on keep their other views and so must not
+  /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
   void MarginalizeOldest();
-  void AddToMarginalizer(const Landmark& landmark, std::size_t views, Marginalizer& marginalizer,
+  void AddToMarginalizer(const Landmark& landmark, Marginalizer& marginalizer,
                          const PosePrior& linearization) const;
-  /// Removes a landmark's first views; the point moves on to the new anchor.
-  void DropFirstViews(Landmark& landmark, std::size_t count);
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
