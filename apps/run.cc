@@ -100,6 +100,16 @@ vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
   return options;
 }
 
+// VINS-Fusion's constants for driving, where neither command line nor configuration says more.
+void ApplyDrivingPreset(const CLI::App& command, RunArguments& arguments) {
+  if (command.get_option("--klt-corners")->count() == 0) {
+    arguments.frontend.klt.max_corners = 200;
+  }
+  if (command.get_option("--keyframe-parallax")->count() == 0) {
+    arguments.estimator.keyframe_parallax_px = 15.0;
+  }
+}
+
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
   return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
 }
@@ -122,6 +132,10 @@ void Run(RunArguments arguments, const CLI::App& command) {
                          arguments.frames.stride);
   }
   const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
+  if (dataset.format == vo::DatasetFormat::kKittiOdometry ||
+      dataset.format == vo::DatasetFormat::kKittiRaw) {
+    ApplyDrivingPreset(command, arguments);
+  }
   nn::ThreadPool pool(arguments.frontend.networks.threads);
   cv::setNumThreads(pool.size());
   Networks networks;
