@@ -1,6 +1,7 @@
 // gluevo run: stereo odometry over a data set.
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -16,11 +17,14 @@
 #include "gluevo/vo/evaluation.h"
 #include "gluevo/vo/klt_frontend.h"
 #include "gluevo/vo/learned_frontend.h"
+#include "gluevo/vo/map.h"
 #include "gluevo/vo/network_matcher.h"
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/trajectory.h"
 #include "network_options.h"
 #include "progress.h"
+#include "report/run_report.h"
+#include "report/strip.h"
 #include "run_metrics.h"
 #include "yaml_config.h"
 
@@ -38,6 +42,7 @@ struct RunArguments {
   std::string format;
   fs::path calibration;
   fs::path groundtruth;
+  fs::path map;
   std::string trajectory_format = "tum";
   vo::DatasetOptions frames;
   NetworkOptions networks;
@@ -81,6 +86,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Format of the trajectories: tum, euroc or kitti")
       ->check(CLI::IsMember({"tum", "euroc", "kitti"}))
       ->capture_default_str();
+  command.add_option("--map", arguments.map,
+                     "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
+                     "(COLMAP's text model)");
   AddNetworkOptions(command, arguments.networks);
 
   const std::string tuning = "Tuning";
@@ -112,8 +120,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       ->capture_default_str()
       ->group(tuning);
   command.footer(
-      "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum and "
-      "DIR/metrics.json.\nExample:\n  gluevo run data/V1_01_easy -o results/V1_01");
+      "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
+      "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
+      "results/V1_01");
 }
 
 vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
@@ -155,6 +164,21 @@ std::string TrajectoryHeader(const vo::StereoRig& rig) {
   return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
 }
 
+// As COLMAP finds the images when it is told the data set's folder.
+std::array<std::string, 2> ImageNames(const vo::Dataset& dataset, std::size_t index) {
+  const auto name = [&](const fs::path& path) {
+    return path.lexically_proximate(dataset.root).generic_string();
+  };
+  const auto& images = dataset.entries[index].images;
+  return {name(images[0]), name(images[1])};
+}
+
+void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
+  const vo::Map map = recorder.Build();
+  vo::WritePly(directory, map);
+  vo::WriteColmap(directory / "colmap", map);
+}
+
 void Run(const RunArguments& arguments, const CLI::App& command) {
   const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
   nn::ThreadPool pool(arguments.networks.threads);
@@ -173,6 +197,11 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
                         odometry_options);
 
   RunMetrics metrics;
+  StripRecorder strip(dataset.entries.size());
+  std::optional<vo::MapRecorder> map;
+  if (!arguments.map.empty()) {
+    map.emplace(dataset.rig.cameras, vo::MapOptions());
+  }
   vo::Trajectory trajectory;
   vo::Trajectory keyframes;
   {
@@ -183,6 +212,10 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
       metrics.FrameIsRead();
       const vo::FrameResult result = odometry.Process(frame);
       metrics.FrameIsDone(result);
+      strip.Add(frame, result);
+      if (map) {
+        map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
+      }
       trajectory.push_back({result.timestamp_ns, result.world_from_body});
       if (result.is_keyframe) {
         keyframes.push_back(trajectory.back());
@@ -214,13 +247,23 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
       evaluation_failure = error.what();
     }
   }
-  metrics.Write(arguments.output / "metrics.json", {.method = arguments.method,
-                                                    .threads = pool.size(),
-                                                    .superpoint = networks.superpoint_record,
-                                                    .superglue = networks.superglue_record,
-                                                    .options = OptionValues(command),
-                                                    .evaluation = evaluation,
-                                                    .evaluation_failure = evaluation_failure});
+  const RunMetrics::Context context = {.method = arguments.method,
+                                       .threads = pool.size(),
+                                       .superpoint = networks.superpoint_record,
+                                       .superglue = networks.superglue_record,
+                                       .options = OptionValues(command),
+                                       .evaluation = evaluation,
+                                       .evaluation_failure = evaluation_failure};
+  metrics.Write(arguments.output / "metrics.json", context);
+  RunReport report = metrics.Report(context);
+  report.dataset = arguments.dataset.string();
+  report.rig = dataset.rig;
+  report.groundtruth = dataset.groundtruth;
+  report.strip = strip.frames();
+  WriteRunReport(arguments.output / "report.html", report);
+  if (map) {
+    WriteMap(arguments.map, *map);
+  }
   std::cout << metrics.Summary(evaluation) << "results: " << arguments.output.string() << '\n';
 }
 
