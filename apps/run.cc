@@ -1,6 +1,7 @@
 // gluevo run: stereo odometry over a data set.
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -16,10 +17,13 @@
 #include "gluevo/nn/isa.h"
 #include "gluevo/vo/dataset.h"
 #include "gluevo/vo/evaluation.h"
+#include "gluevo/vo/map.h"
 #include "gluevo/vo/match_store.h"
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/trajectory.h"
 #include "progress.h"
+#include "report/run_report.h"
+#include "report/strip.h"
 #include "run_metrics.h"
 #include "run_replay.h"
 #include "yaml_config.h"
@@ -36,6 +40,7 @@ struct RunArguments {
   std::string format;
   fs::path calibration;
   fs::path groundtruth;
+  fs::path map;
   std::string trajectory_format = "tum";
   vo::DatasetOptions frames;
   fs::path save_matches;
@@ -66,6 +71,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Format of the trajectories: tum, euroc or kitti")
       ->check(CLI::IsMember({"tum", "euroc", "kitti"}))
       ->capture_default_str();
+  command.add_option("--map", arguments.map,
+                     "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
+                     "(COLMAP's text model)");
   CLI::Option* const save = command.add_option("--save-matches", arguments.save_matches,
                                                "HDF5 file to write the matches of all frames to");
   command
@@ -76,8 +84,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   AddFrontEndOptions(command, arguments.frontend);
   AddEstimatorOptions(command, arguments.estimator);
   command.footer(
-      "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum and "
-      "DIR/metrics.json.\nExample:\n  gluevo run data/V1_01_easy -o results/V1_01");
+      "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
+      "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
+      "results/V1_01");
 }
 
 vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
@@ -112,6 +121,21 @@ void ApplyDrivingPreset(const CLI::App& command, RunArguments& arguments) {
 
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
   return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
+}
+
+// As COLMAP finds the images when it is told the data set's folder.
+std::array<std::string, 2> ImageNames(const vo::Dataset& dataset, std::size_t index) {
+  const auto name = [&](const fs::path& path) {
+    return path.lexically_proximate(dataset.root).generic_string();
+  };
+  const auto& images = dataset.entries[index].images;
+  return {name(images[0]), name(images[1])};
+}
+
+void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
+  const vo::Map map = recorder.Build();
+  vo::WritePly(directory, map);
+  vo::WriteColmap(directory / "colmap", map);
 }
 
 std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
@@ -158,19 +182,29 @@ void Run(RunArguments arguments, const CLI::App& command) {
   }
 
   RunMetrics metrics;
+  StripRecorder strip(dataset.entries.size());
+  std::optional<vo::MapRecorder> map;
+  if (!arguments.map.empty()) {
+    map.emplace(dataset.rig.cameras, vo::MapOptions());
+  }
   vo::Trajectory trajectory;
   vo::Trajectory keyframes;
   {
     Progress progress("frame", dataset.entries.size());
     for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
       metrics.StartFrame();
+      const bool reads_images = !is_replay || map;
       const vo::StereoFrame frame =
-          is_replay ? vo::StereoFrame{dataset.entries[i].timestamp_ns, {}} : dataset.Read(i);
+          reads_images ? dataset.Read(i) : vo::StereoFrame{dataset.entries[i].timestamp_ns, {}};
       metrics.FrameIsRead();
       const vo::FrameResult result = odometry.Process(frame);
       metrics.FrameIsDone(result);
       if (saved) {
         saved->Add(result.tracked_frame);
+      }
+      strip.Add(result, [&] { return reads_images ? frame : dataset.Read(i); });
+      if (map) {
+        map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
       }
       trajectory.push_back({result.timestamp_ns, result.world_from_body});
       if (result.is_keyframe) {
@@ -206,13 +240,23 @@ void Run(RunArguments arguments, const CLI::App& command) {
       evaluation_failure = error.what();
     }
   }
-  metrics.Write(arguments.output / "metrics.json", {.method = method,
-                                                    .threads = pool.size(),
-                                                    .superpoint = networks.superpoint_record,
-                                                    .superglue = networks.superglue_record,
-                                                    .options = OptionValues(command),
-                                                    .evaluation = evaluation,
-                                                    .evaluation_failure = evaluation_failure});
+  const RunMetrics::Context context = {.method = method,
+                                       .threads = pool.size(),
+                                       .superpoint = networks.superpoint_record,
+                                       .superglue = networks.superglue_record,
+                                       .options = OptionValues(command),
+                                       .evaluation = evaluation,
+                                       .evaluation_failure = evaluation_failure};
+  metrics.Write(arguments.output / "metrics.json", context);
+  RunReport report = metrics.Report(context);
+  report.dataset = arguments.dataset.string();
+  report.rig = dataset.rig;
+  report.groundtruth = dataset.groundtruth;
+  report.strip = strip.frames();
+  WriteRunReport(arguments.output / "report.html", report);
+  if (map) {
+    WriteMap(arguments.map, *map);
+  }
   std::cout << metrics.Summary(evaluation) << "results: " << arguments.output.string() << '\n';
 }
 

@@ -11,6 +11,7 @@
 #include "gluevo/vo/evaluation.h"
 #include "gluevo/vo/odometry.h"
 #include "network_options.h"
+#include "report/run_report.h"
 
 namespace gluevo::apps {
 
@@ -32,6 +33,8 @@ class RunMetrics {
   void FrameIsRead();
   void FrameIsDone(const vo::FrameResult& result);
 
+  /// The part of a report that the record knows.
+  RunReport Report(const Context& context) const;
   /// Throws Error where the file cannot be written.
   void Write(const std::filesystem::path& path, const Context& context) const;
   /// A few lines for people.

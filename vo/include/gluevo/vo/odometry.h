@@ -56,6 +56,8 @@ class Odometry {
 
   /// The landmarks of the window that have a depth, as they are known after the last frame.
   std::vector<MapPoint> MapPoints() const { return window_.MapPoints(); }
+  /// The rig with the right camera's orientation as the window refined it.
+  const StereoRig& rig() const { return window_.rig(); }
 
  private:
   struct FramePose {
