@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "dataset_options.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/vo/dataset.h"
@@ -35,11 +36,8 @@ struct RunArguments {
   fs::path config;
   std::string method = "superglue";
   std::string matcher = "superglue";
-  std::string format;
-  fs::path calibration;
-  fs::path groundtruth;
   std::string trajectory_format = "tum";
-  vo::DatasetOptions frames;
+  DatasetArguments frames;
   NetworkOptions networks;
   nn::SuperPointOptions superpoint = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
   vo::LearnedFrontEndOptions learned;
@@ -64,18 +62,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       ->capture_default_str();
   command.add_option("--config", arguments.config,
                      "YAML file with values for any of these options; the command line goes first");
-  command
-      .add_option("--format", arguments.format,
-                  "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
-      ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
-  command.add_option("--calibration", arguments.calibration,
-                     "Calibration of a plain data set: Kalibr camchain or OpenCV yaml");
-  command.add_option("--groundtruth", arguments.groundtruth,
-                     "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
-  command.add_option("--start", arguments.frames.start, "First frame")->capture_default_str();
-  command.add_option("--count", arguments.frames.count, "Number of frames; default: all");
-  command.add_option("--stride", arguments.frames.stride, "Take every so many-th frame")
-      ->capture_default_str();
+  AddDatasetOptions(command, arguments.frames);
   command
       .add_option("--trajectory-format", arguments.trajectory_format,
                   "Format of the trajectories: tum, euroc or kitti")
@@ -116,26 +103,6 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       "DIR/metrics.json.\nExample:\n  gluevo run data/V1_01_easy -o results/V1_01");
 }
 
-vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
-  vo::DatasetOptions options = arguments.frames;
-  if (arguments.format == "euroc") {
-    options.format = vo::DatasetFormat::kEuroc;
-  } else if (arguments.format == "kitti") {
-    options.format = vo::DatasetFormat::kKittiOdometry;
-  } else if (arguments.format == "kitti-raw") {
-    options.format = vo::DatasetFormat::kKittiRaw;
-  } else if (arguments.format == "plain") {
-    options.format = vo::DatasetFormat::kPlain;
-  }
-  if (!arguments.calibration.empty()) {
-    options.calibration = arguments.calibration;
-  }
-  if (!arguments.groundtruth.empty()) {
-    options.groundtruth = arguments.groundtruth;
-  }
-  return options;
-}
-
 std::unique_ptr<vo::FrontEnd> MakeFrontEnd(const RunArguments& arguments, const vo::StereoRig& rig,
                                            const Networks& networks, nn::ThreadPool& pool) {
   if (arguments.method == "klt") {
@@ -156,7 +123,8 @@ std::string TrajectoryHeader(const vo::StereoRig& rig) {
 }
 
 void Run(const RunArguments& arguments, const CLI::App& command) {
-  const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
+  const vo::Dataset dataset =
+      vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
   nn::ThreadPool pool(arguments.networks.threads);
   vo::OdometryOptions odometry_options = arguments.odometry;
   if (arguments.method == "klt") {
@@ -206,10 +174,13 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
                       TrajectoryHeader(dataset.rig));
 
   std::optional<vo::Evaluation> evaluation;
+  std::optional<vo::SegmentedEvaluation> segmented_evaluation;
   std::string evaluation_failure;
   if (dataset.groundtruth) {
     try {
       evaluation = vo::Evaluate(trajectory, *dataset.groundtruth, {});
+      segmented_evaluation =
+          vo::EvaluateSegments(trajectory, metrics.SegmentOfFrames(), *dataset.groundtruth, {});
     } catch (const Error& error) {
       evaluation_failure = error.what();
     }
@@ -220,6 +191,7 @@ void Run(const RunArguments& arguments, const CLI::App& command) {
                                                     .superglue = networks.superglue_record,
                                                     .options = OptionValues(command),
                                                     .evaluation = evaluation,
+                                                    .segmented_evaluation = segmented_evaluation,
                                                     .evaluation_failure = evaluation_failure});
   std::cout << metrics.Summary(evaluation) << "results: " << arguments.output.string() << '\n';
 }
