@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "dataset_options.h"
 #include "estimator_options.h"
 #include "frontend_options.h"
 #include "gluevo/nn/error.h"
@@ -37,12 +38,9 @@ struct RunArguments {
   fs::path dataset;
   fs::path output;
   fs::path config;
-  std::string format;
-  fs::path calibration;
-  fs::path groundtruth;
   fs::path map;
   std::string trajectory_format = "tum";
-  vo::DatasetOptions frames;
+  DatasetArguments frames;
   fs::path save_matches;
   fs::path replay;
   FrontEndArguments frontend;
@@ -54,18 +52,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("-o,--output", arguments.output, "Folder for the results")->required();
   command.add_option("--config", arguments.config,
                      "YAML file with values for any of these options; the command line goes first");
-  command
-      .add_option("--format", arguments.format,
-                  "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
-      ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
-  command.add_option("--calibration", arguments.calibration,
-                     "Calibration of a plain data set: Kalibr camchain or OpenCV yaml");
-  command.add_option("--groundtruth", arguments.groundtruth,
-                     "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
-  command.add_option("--start", arguments.frames.start, "First frame")->capture_default_str();
-  command.add_option("--count", arguments.frames.count, "Number of frames; default: all");
-  command.add_option("--stride", arguments.frames.stride, "Take every so many-th frame")
-      ->capture_default_str();
+  AddDatasetOptions(command, arguments.frames);
   command
       .add_option("--trajectory-format", arguments.trajectory_format,
                   "Format of the trajectories: tum, euroc or kitti")
@@ -87,26 +74,6 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
       "results/V1_01");
-}
-
-vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
-  vo::DatasetOptions options = arguments.frames;
-  if (arguments.format == "euroc") {
-    options.format = vo::DatasetFormat::kEuroc;
-  } else if (arguments.format == "kitti") {
-    options.format = vo::DatasetFormat::kKittiOdometry;
-  } else if (arguments.format == "kitti-raw") {
-    options.format = vo::DatasetFormat::kKittiRaw;
-  } else if (arguments.format == "plain") {
-    options.format = vo::DatasetFormat::kPlain;
-  }
-  if (!arguments.calibration.empty()) {
-    options.calibration = arguments.calibration;
-  }
-  if (!arguments.groundtruth.empty()) {
-    options.groundtruth = arguments.groundtruth;
-  }
-  return options;
 }
 
 // VINS-Fusion's constants for driving, where neither command line nor configuration says more.
@@ -155,7 +122,8 @@ void Run(RunArguments arguments, const CLI::App& command) {
     SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
                          arguments.frames.stride);
   }
-  const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
+  const vo::Dataset dataset =
+      vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
   if (dataset.format == vo::DatasetFormat::kKittiOdometry ||
       dataset.format == vo::DatasetFormat::kKittiRaw) {
     ApplyDrivingPreset(command, arguments);
@@ -232,10 +200,13 @@ void Run(RunArguments arguments, const CLI::App& command) {
                       TrajectoryHeader(dataset.rig));
 
   std::optional<vo::Evaluation> evaluation;
+  std::optional<vo::SegmentedEvaluation> segmented_evaluation;
   std::string evaluation_failure;
   if (dataset.groundtruth) {
     try {
       evaluation = vo::Evaluate(trajectory, *dataset.groundtruth, {});
+      segmented_evaluation =
+          vo::EvaluateSegments(trajectory, metrics.SegmentOfFrames(), *dataset.groundtruth, {});
     } catch (const Error& error) {
       evaluation_failure = error.what();
     }
@@ -246,6 +217,7 @@ void Run(RunArguments arguments, const CLI::App& command) {
                                        .superglue = networks.superglue_record,
                                        .options = OptionValues(command),
                                        .evaluation = evaluation,
+                                       .segmented_evaluation = segmented_evaluation,
                                        .evaluation_failure = evaluation_failure};
   metrics.Write(arguments.output / "metrics.json", context);
   RunReport report = metrics.Report(context);

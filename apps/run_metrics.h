@@ -10,6 +10,7 @@
 
 #include "gluevo/vo/evaluation.h"
 #include "gluevo/vo/odometry.h"
+#include "gluevo/vo/segment_evaluation.h"
 #include "network_options.h"
 #include "report/run_report.h"
 
@@ -26,6 +27,7 @@ class RunMetrics {
     WeightsRecord superglue;
     std::map<std::string, std::string> options;
     std::optional<vo::Evaluation> evaluation;
+    std::optional<vo::SegmentedEvaluation> segmented_evaluation;
     std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.
   };
 
@@ -35,6 +37,9 @@ class RunMetrics {
 
   /// The part of a report that the record knows.
   RunReport Report(const Context& context) const;
+  /// The segment of each frame.
+  std::vector<int> SegmentOfFrames() const;
+
   /// Throws Error where the file cannot be written.
   void Write(const std::filesystem::path& path, const Context& context) const;
   /// A few lines for people.

@@ -36,7 +36,7 @@ TEST(StripRecorderTest, KeepsFewFramesSpreadOverTheRun) {
     SCOPED_TRACE(count);
     StripRecorder recorder(count);
     for (std::size_t i = 0; i < count; ++i) {
-      recorder.Add(Frame(100), Result(static_cast<int>(i)));
+      recorder.Add(Result(static_cast<int>(i)), [] { return Frame(100); });
     }
     const std::vector<StripFrame>& frames = recorder.frames();
     ASSERT_EQ(frames.size(), std::min<std::size_t>(count, 8));
@@ -50,7 +50,7 @@ TEST(StripRecorderTest, KeepsFewFramesSpreadOverTheRun) {
 TEST(StripRecorderTest, ShowsMotionNewTracksAndStereo) {
   StripRecorder recorder(8);
   for (int i = 0; i < 8; ++i) {
-    recorder.Add(Frame(100), Result(i));
+    recorder.Add(Result(i), [] { return Frame(100); });
   }
   const StripFrame& first = recorder.frames()[0];
   EXPECT_TRUE(first.tracked.empty());
@@ -80,7 +80,7 @@ TEST(StripRecorderTest, ShowsMotionNewTracksAndStereo) {
 TEST(StripRecorderTest, KeepsTheFirstFramesThatLostTracking) {
   StripRecorder recorder(100);
   for (int i = 0; i < 100; ++i) {
-    recorder.Add(Frame(100), Result(i, i / 9));
+    recorder.Add(Result(i, i / 9), [] { return Frame(100); });
   }
   std::vector<std::size_t> resets;
   for (const StripFrame& frame : recorder.frames()) {

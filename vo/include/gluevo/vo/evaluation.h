@@ -15,6 +15,10 @@ struct EvaluationOptions {
   /// The motion from one associated pose to the next is right within these.
   double right_motion_m = 0.1;
   double right_motion_deg = 2.0;
+  /// The relative pose error over frames: from each rpe_frames-th associated pose to the next one,
+  /// or, with rpe_every_frame, from every pose to the one so many later.
+  int rpe_frames = 1;
+  bool rpe_every_frame = false;
   void Validate() const;
 };
 
@@ -73,6 +77,10 @@ struct Evaluation {
   double rpe_translation_percent = 0.0;
   double rpe_rotation_deg_per_m = 0.0;
   std::vector<double> rpe_lengths_m;  ///< The lengths that have at least one sub-path.
+  /// Relative pose error over the options' number of frames (Sturm et al. 2012): RMSE of the
+  /// motions' translation, metres, and rotation, degrees; NaN where there are fewer frames.
+  double rpe_frames_translation_m = 0.0;
+  double rpe_frames_rotation_deg = 0.0;
   /// Motions from one associated pose to the next that are right within the options' bounds, of
   /// pairs - 1: what is left of it where frames are far apart and tracking breaks.
   std::size_t right_motions = 0;
