@@ -200,13 +200,13 @@ void KltFrontEnd::MatchStereo(const std::vector<cv::Mat>& left, const std::vecto
     observation.left = rig_.cameras[0].Undistort(observation.left_pixel);
     observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
     const Eigen::Vector2d right_pixel = ToEigen(flow.pixels[i]);
-    const Eigen::Vector2d right = rig_.cameras[1].Undistort(right_pixel);
+    const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(right_pixel);
     // False, too, where a pixel is beyond the camera model and has no ray.
     if (flow.found[i] != 0 &&
-        epipolar_.Distance(observation.left, right) <= options_.max_epipolar_error_px) {
+        epipolar_.Distance(observation.left, in_right) <= options_.max_epipolar_error_px) {
       observation.has_right = true;
       observation.right_pixel = right_pixel;
-      observation.right = right;
+      observation.right = in_right;
       observation.stereo_confidence = 1.0F;
     }
     result.observations.push_back(observation);
