@@ -25,7 +25,7 @@ void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options) {
   command
       .add_option("--right-turn-mrad", options.right_turn_mrad,
                   "How well the calibration knows the right camera's orientation, milliradians; it "
-                  "is refined within that; 0: not at all. Default: 0.5, with klt 0.1")
+                  "is refined within that; 0: not at all. Default: 0.2, with klt 0.1")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
 }
@@ -37,9 +37,8 @@ vo::OdometryOptions ResolveEstimatorOptions(const EstimatorOptions& options,
   if (options.right_turn_mrad >= 0.0) {
     resolved.window.right_turn_sigma = 1e-3 * options.right_turn_mrad;
   } else if (method == "klt") {
-    // Flow between frames and flow between cameras have errors that do not average out (patches
-    // grow as they come nearer): they pass for an error of the calibration, which must hold against
-    // them.
+    // Flow has errors that do not average out (patches grow as they come nearer) and pass for an
+    // error of the calibration: it must hold against more of them.
     resolved.window.right_turn_sigma = 1e-4;
   }
   return resolved;
