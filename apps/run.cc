@@ -1,6 +1,7 @@
 // gluevo run: stereo odometry over a data set.
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -10,15 +11,20 @@
 #include <vector>
 
 #include "commands.h"
+#include "dataset_options.h"
+#include "estimator_options.h"
 #include "frontend_options.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/vo/dataset.h"
 #include "gluevo/vo/evaluation.h"
+#include "gluevo/vo/map.h"
 #include "gluevo/vo/match_store.h"
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/trajectory.h"
 #include "progress.h"
+#include "report/run_report.h"
+#include "report/strip.h"
 #include "run_metrics.h"
 #include "run_replay.h"
 #include "yaml_config.h"
@@ -32,15 +38,13 @@ struct RunArguments {
   fs::path dataset;
   fs::path output;
   fs::path config;
-  std::string format;
-  fs::path calibration;
-  fs::path groundtruth;
+  fs::path map;
   std::string trajectory_format = "tum";
-  vo::DatasetOptions frames;
+  DatasetArguments frames;
   fs::path save_matches;
   fs::path replay;
   FrontEndArguments frontend;
-  vo::OdometryOptions odometry;
+  EstimatorOptions estimator;
 };
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
@@ -48,23 +52,15 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("-o,--output", arguments.output, "Folder for the results")->required();
   command.add_option("--config", arguments.config,
                      "YAML file with values for any of these options; the command line goes first");
-  command
-      .add_option("--format", arguments.format,
-                  "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
-      ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
-  command.add_option("--calibration", arguments.calibration,
-                     "Calibration of a plain data set: Kalibr camchain or OpenCV yaml");
-  command.add_option("--groundtruth", arguments.groundtruth,
-                     "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
-  command.add_option("--start", arguments.frames.start, "First frame")->capture_default_str();
-  command.add_option("--count", arguments.frames.count, "Number of frames; default: all");
-  command.add_option("--stride", arguments.frames.stride, "Take every so many-th frame")
-      ->capture_default_str();
+  AddDatasetOptions(command, arguments.frames);
   command
       .add_option("--trajectory-format", arguments.trajectory_format,
                   "Format of the trajectories: tum, euroc or kitti")
       ->check(CLI::IsMember({"tum", "euroc", "kitti"}))
       ->capture_default_str();
+  command.add_option("--map", arguments.map,
+                     "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
+                     "(COLMAP's text model)");
   CLI::Option* const save = command.add_option("--save-matches", arguments.save_matches,
                                                "HDF5 file to write the matches of all frames to");
   command
@@ -73,36 +69,40 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
   AddFrontEndOptions(command, arguments.frontend);
-  command.add_option("--window", arguments.odometry.window.size, "Frames of the sliding window")
-      ->capture_default_str()
-      ->group("Tuning");
+  AddEstimatorOptions(command, arguments.estimator);
   command.footer(
-      "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum and "
-      "DIR/metrics.json.\nExample:\n  gluevo run data/V1_01_easy -o results/V1_01");
+      "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
+      "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
+      "results/V1_01");
 }
 
-vo::DatasetOptions MakeDatasetOptions(const RunArguments& arguments) {
-  vo::DatasetOptions options = arguments.frames;
-  if (arguments.format == "euroc") {
-    options.format = vo::DatasetFormat::kEuroc;
-  } else if (arguments.format == "kitti") {
-    options.format = vo::DatasetFormat::kKittiOdometry;
-  } else if (arguments.format == "kitti-raw") {
-    options.format = vo::DatasetFormat::kKittiRaw;
-  } else if (arguments.format == "plain") {
-    options.format = vo::DatasetFormat::kPlain;
+// VINS-Fusion's constants for driving, where neither command line nor configuration says more.
+void ApplyDrivingPreset(const CLI::App& command, RunArguments& arguments) {
+  if (command.get_option("--klt-corners")->count() == 0) {
+    arguments.frontend.klt.max_corners = 200;
   }
-  if (!arguments.calibration.empty()) {
-    options.calibration = arguments.calibration;
+  if (command.get_option("--keyframe-parallax")->count() == 0) {
+    arguments.estimator.keyframe_parallax_px = 15.0;
   }
-  if (!arguments.groundtruth.empty()) {
-    options.groundtruth = arguments.groundtruth;
-  }
-  return options;
 }
 
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
   return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
+}
+
+// As COLMAP finds the images when it is told the data set's folder.
+std::array<std::string, 2> ImageNames(const vo::Dataset& dataset, std::size_t index) {
+  const auto name = [&](const fs::path& path) {
+    return path.lexically_proximate(dataset.root).generic_string();
+  };
+  const auto& images = dataset.entries[index].images;
+  return {name(images[0]), name(images[1])};
+}
+
+void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
+  const vo::Map map = recorder.Build();
+  vo::WritePly(directory, map);
+  vo::WriteColmap(directory / "colmap", map);
 }
 
 std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
@@ -122,14 +122,14 @@ void Run(RunArguments arguments, const CLI::App& command) {
     SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
                          arguments.frames.stride);
   }
-  const vo::Dataset dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments));
+  const vo::Dataset dataset =
+      vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  if (dataset.format == vo::DatasetFormat::kKittiOdometry ||
+      dataset.format == vo::DatasetFormat::kKittiRaw) {
+    ApplyDrivingPreset(command, arguments);
+  }
   nn::ThreadPool pool(arguments.frontend.networks.threads);
   cv::setNumThreads(pool.size());
-  if (method == "klt") {
-    // The baseline trusts its calibration, as VINS-Fusion does: the errors of optical flow between
-    // the two cameras are not zero on average, and would pass for an error of the calibration.
-    arguments.odometry.window.right_turn_sigma = 0.0;
-  }
   Networks networks;
   std::unique_ptr<vo::FrontEnd> frontend;
   const bool is_replay = store.has_value();
@@ -142,26 +142,37 @@ void Run(RunArguments arguments, const CLI::App& command) {
     networks = LoadFrontEndNetworks(arguments.frontend);
     frontend = MakeFrontEnd(arguments.frontend, dataset.rig, networks, pool);
   }
-  vo::Odometry odometry(dataset.rig, std::move(frontend), arguments.odometry);
+  vo::Odometry odometry(dataset.rig, std::move(frontend),
+                        ResolveEstimatorOptions(arguments.estimator, method));
   std::optional<vo::MatchStoreWriter> saved;
   if (!arguments.save_matches.empty()) {
     saved.emplace(arguments.save_matches, dataset.rig, MakeRunRecord(command, method, networks));
   }
 
   RunMetrics metrics;
+  StripRecorder strip(dataset.entries.size());
+  std::optional<vo::MapRecorder> map;
+  if (!arguments.map.empty()) {
+    map.emplace(dataset.rig.cameras, vo::MapOptions());
+  }
   vo::Trajectory trajectory;
   vo::Trajectory keyframes;
   {
     Progress progress("frame", dataset.entries.size());
     for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
       metrics.StartFrame();
+      const bool reads_images = !is_replay || map;
       const vo::StereoFrame frame =
-          is_replay ? vo::StereoFrame{dataset.entries[i].timestamp_ns, {}} : dataset.Read(i);
+          reads_images ? dataset.Read(i) : vo::StereoFrame{dataset.entries[i].timestamp_ns, {}};
       metrics.FrameIsRead();
       const vo::FrameResult result = odometry.Process(frame);
       metrics.FrameIsDone(result);
       if (saved) {
         saved->Add(result.tracked_frame);
+      }
+      strip.Add(result, [&] { return reads_images ? frame : dataset.Read(i); });
+      if (map) {
+        map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
       }
       trajectory.push_back({result.timestamp_ns, result.world_from_body});
       if (result.is_keyframe) {
@@ -189,21 +200,35 @@ void Run(RunArguments arguments, const CLI::App& command) {
                       TrajectoryHeader(dataset.rig));
 
   std::optional<vo::Evaluation> evaluation;
+  std::optional<vo::SegmentedEvaluation> segmented_evaluation;
   std::string evaluation_failure;
   if (dataset.groundtruth) {
     try {
       evaluation = vo::Evaluate(trajectory, *dataset.groundtruth, {});
+      segmented_evaluation =
+          vo::EvaluateSegments(trajectory, metrics.SegmentOfFrames(), *dataset.groundtruth, {});
     } catch (const Error& error) {
       evaluation_failure = error.what();
     }
   }
-  metrics.Write(arguments.output / "metrics.json", {.method = method,
-                                                    .threads = pool.size(),
-                                                    .superpoint = networks.superpoint_record,
-                                                    .superglue = networks.superglue_record,
-                                                    .options = OptionValues(command),
-                                                    .evaluation = evaluation,
-                                                    .evaluation_failure = evaluation_failure});
+  const RunMetrics::Context context = {.method = method,
+                                       .threads = pool.size(),
+                                       .superpoint = networks.superpoint_record,
+                                       .superglue = networks.superglue_record,
+                                       .options = OptionValues(command),
+                                       .evaluation = evaluation,
+                                       .segmented_evaluation = segmented_evaluation,
+                                       .evaluation_failure = evaluation_failure};
+  metrics.Write(arguments.output / "metrics.json", context);
+  RunReport report = metrics.Report(context);
+  report.dataset = arguments.dataset.string();
+  report.rig = dataset.rig;
+  report.groundtruth = dataset.groundtruth;
+  report.strip = strip.frames();
+  WriteRunReport(arguments.output / "report.html", report);
+  if (map) {
+    WriteMap(arguments.map, *map);
+  }
   std::cout << metrics.Summary(evaluation) << "results: " << arguments.output.string() << '\n';
 }
 
