@@ -9,6 +9,7 @@
 #include "gluevo/vo/frontend.h"
 #include "gluevo/vo/klt_frontend.h"
 #include "gluevo/vo/learned_frontend.h"
+#include "gluevo/vo/superpoint_frontend.h"
 #include "network_options.h"
 
 namespace gluevo::apps {
@@ -19,7 +20,9 @@ struct FrontEndArguments {
   std::string matcher = "superglue";
   NetworkOptions networks;
   nn::SuperPointOptions superpoint = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
+  std::string refine = "lk";  ///< none, subpixel or lk.
   vo::LearnedFrontEndOptions learned;
+  vo::SuperPointFrontEndOptions stereo;  ///< Its ratio; the rest is the others'.
   vo::KltOptions klt;
 };
 

@@ -104,7 +104,8 @@ TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   AddCorners(frame.images[0]);
   result.stages_ms["klt_detect"] = MsSince(start);
   start = std::chrono::steady_clock::now();
-  MatchStereo(left, Pyramid(frame.images[1], options_), result);
+  MatchStereo(left, options_.stereo ? Pyramid(frame.images[1], options_) : std::vector<cv::Mat>(),
+              result);
   result.stages_ms["klt_stereo"] = MsSince(start);
   last_pyramid_ = std::move(left);
   return result;
@@ -192,12 +193,16 @@ void KltFrontEnd::MatchStereo(const std::vector<cv::Mat>& left, const std::vecto
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
   }
-  const Flow flow = FollowBothWays(left, right, pixels, pixels, options_);
+  const Flow flow = options_.stereo ? FollowBothWays(left, right, pixels, pixels, options_)
+                                    : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Observation observation;
     observation.track_id = tracks_[i].id;
     observation.left_pixel = ToEigen(tracks_[i].pixel);
     observation.left = rig_.cameras[0].Undistort(observation.left_pixel);
+    if (!observation.left.allFinite()) {
+      continue;  // Beyond the camera model there is no ray.
+    }
     observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
     const Eigen::Vector2d right_pixel = ToEigen(flow.pixels[i]);
     const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(right_pixel);

@@ -32,6 +32,8 @@ struct KltOptions {
   /// Reject tracks by a fundamental matrix (RANSAC, this distance in pixels at focal length 460).
   bool reject_by_fundamental = false;
   double fundamental_distance = 1.0;
+  /// Follow the points into the right image.
+  bool stereo = true;
 
   /// Throws Error naming the option.
   void Validate() const;
