@@ -11,6 +11,7 @@
 #include "evaluation_json.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
+#include "report/processor.h"
 
 namespace gluevo::apps {
 namespace {
@@ -101,6 +102,30 @@ std::vector<std::string> RunMetrics::Warnings() const {
                        " times: poses of different segments are not linked");
   }
   return warnings;
+}
+
+RunReport RunMetrics::Report(const Context& context) const {
+  RunReport report;
+  report.method = context.method;
+  report.frames = frames_;
+  report.warnings = Warnings();
+  report.evaluation = context.evaluation;
+  report.evaluation_failure = context.evaluation_failure;
+  report.duration_s = Duration();
+  report.stages_ms = stages_ms_;
+  report.peak_memory_mb = PeakMemoryMb();
+  report.options.assign(context.options.begin(), context.options.end());
+  for (const auto& [network, record] :
+       {std::pair{"SuperPoint", context.superpoint}, std::pair{"SuperGlue", context.superglue}}) {
+    if (!record.source.empty()) {
+      report.weights.push_back({network, record.source, record.checksum});
+    }
+  }
+  report.version = GLUEVO_VERSION;
+  report.processor = ProcessorName();
+  report.isa = nn::IsaName(nn::ChooseIsa());
+  report.threads = context.threads;
+  return report;
 }
 
 void RunMetrics::Write(const std::filesystem::path& path, const Context& context) const {

@@ -12,6 +12,7 @@
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/segment_evaluation.h"
 #include "network_options.h"
+#include "report/run_report.h"
 
 namespace gluevo::apps {
 
@@ -34,6 +35,8 @@ class RunMetrics {
   void FrameIsRead();
   void FrameIsDone(const vo::FrameResult& result);
 
+  /// The part of a report that the record knows.
+  RunReport Report(const Context& context) const;
   /// The segment of each frame.
   std::vector<int> SegmentOfFrames() const;
 

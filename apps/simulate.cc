@@ -44,9 +44,20 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_option("--path", options.path, "Path to fly")
       ->check(CLI::IsMember(vo::SimulationPaths()))
       ->capture_default_str();
+  command
+      ->add_option("--trajectory", options.trajectory,
+                   "TUM or EuRoC file to fly instead: poses of the IMU, z up")
+      ->excludes("--path");
+  command
+      ->add_option("--start", options.start_s,
+                   "Seconds after the first pose, or after the take-off, at which to begin")
+      ->capture_default_str();
+  command->add_flag("--from-takeoff", options.from_takeoff,
+                    "Leave out what a trajectory has before its take-off");
   command->add_option("--seed", options.seed, "Makes the room and all noise")
       ->capture_default_str();
-  command->add_option("--duration", options.duration_s, "Seconds")->capture_default_str();
+  command->add_option("--duration", options.duration_s,
+                      "Seconds; default: the whole trajectory, 20 of a named path");
   command->add_option("--rate", options.rate_hz, "Stereo pairs a second")->capture_default_str();
   command->add_option("--width", options.width, "Of the images, pixels")->capture_default_str();
   command->add_option("--height", options.height, "Of the images, pixels")->capture_default_str();
@@ -54,7 +65,10 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--threads", options.threads, "Threads; default: one for each processor")
       ->check(CLI::Range(1, 1024));
-  command->footer("Example:\n  gluevo simulate -o data/hall --path hall_loop --duration 20");
+  command->footer(
+      "Example:\n  gluevo simulate -o data/hall --path hall_loop --duration 20\n"
+      "  gluevo simulate -o data/flight --trajectory MH_01.txt --from-takeoff "
+      "--duration 60");
   command->callback([arguments] { Simulate(*arguments); });
 }
 

@@ -396,5 +396,46 @@ TEST(EvaluateTest, AgreesWithEvoOnPublishedTrajectories) {
   }
 }
 
+TEST(EvaluateTest, GivesEachPosesErrorAfterBothAlignments) {
+  // A straight way, 1 % too long and with one pose off to the side, in another world.
+  Trajectory groundtruth = StraightWay(21);
+  Trajectory estimate = groundtruth;
+  for (StampedPose& pose : estimate) {
+    pose.world_from_body.translation *= 1.01;
+  }
+  estimate[7].world_from_body.translation.y() += 0.3;
+  for (StampedPose& pose : estimate) {
+    pose.world_from_body = SomeTransform() * pose.world_from_body;
+  }
+  groundtruth.erase(groundtruth.begin() + 3);
+  const Evaluation evaluation = Evaluate(estimate, groundtruth, {});
+  ASSERT_EQ(evaluation.errors.size(), 20U);
+  double sum_se3 = 0.0;
+  double sum_sim3 = 0.0;
+  const PoseError* worst = &evaluation.errors.front();
+  for (const PoseError& error : evaluation.errors) {
+    sum_se3 += error.se3_m * error.se3_m;
+    sum_sim3 += error.sim3_m * error.sim3_m;
+    EXPECT_NEAR((error.se3 - error.groundtruth).norm(), error.se3_m, 1e-12);
+    EXPECT_NEAR((error.sim3 - error.groundtruth).norm(), error.sim3_m, 1e-12);
+    worst = error.sim3_m > worst->sim3_m ? &error : worst;
+  }
+  EXPECT_NEAR(std::sqrt(sum_se3 / 20.0), evaluation.ate_se3_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(sum_sim3 / 20.0), evaluation.ate_sim3_m, 1e-12);
+  EXPECT_EQ(worst->timestamp_ns, 7 * kSecond);
+  // No alignment touches the motions: one step is 1 cm too long, and to the side and back besides.
+  EXPECT_EQ(evaluation.errors[0].motion_m, 0.0);
+  EXPECT_NEAR(evaluation.errors[1].motion_m, 0.01, 1e-9);
+  EXPECT_NEAR(evaluation.errors[3].motion_m, 0.02, 1e-9) << "the motion over the missing pose";
+  EXPECT_NEAR(worst->motion_m, std::hypot(0.01, 0.3), 1e-9);
+  EXPECT_NEAR(worst->motion_deg, 0.0, 1e-6);
+  const Similarity3& sim3 = evaluation.groundtruth_world_from_estimate_world_sim3;
+  EXPECT_EQ(sim3.scale, evaluation.scale);
+  EXPECT_LT((sim3.scale * (sim3.rigid.rotation * estimate[5].world_from_body.translation) +
+             sim3.rigid.translation - evaluation.errors[4].sim3)
+                .norm(),
+            1e-12);
+}
+
 }  // namespace
 }  // namespace gluevo::vo

@@ -11,6 +11,7 @@
 
 #include "gluevo/vo/simulation.h"
 #include "simulation_path.h"
+#include "simulation_room.h"
 
 namespace gluevo::vo {
 namespace {
@@ -136,7 +137,7 @@ class HallTest : public ::testing::Test {
   HallTest()
       : rig_(SimulationRig(752, 480)),
         path_(MakeSimulationPath("hall_loop")),
-        world_(MakeHall(7, PathPoints(), 0.02, 2)) {}
+        world_(MakeRoom(7, PlanRoom(PathPoints(), 2.6), PathPoints(), 0.02, 2)) {}
 
   std::vector<Eigen::Vector3d> PathPoints() const {
     std::vector<Eigen::Vector3d> points;
@@ -222,7 +223,7 @@ TEST_F(HallTest, PathKeepsClearOfEverything) {
 }
 
 TEST_F(HallTest, EveryViewHasCornersAllOver) {
-  const SimulatedWorld world = MakeHall(7, PathPoints(), 0.004, 2);
+  const SimulatedWorld world = MakeRoom(7, PlanRoom(PathPoints(), 2.6), PathPoints(), 0.004, 2);
   const Renderer renderer(rig_, world, 2.0, 2);
   for (const double time : {0.0, 4.0, 8.0, 12.0, 16.0}) {
     const cv::Mat image = renderer.Render(0, path_(time), 1);

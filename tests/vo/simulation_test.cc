@@ -153,6 +153,53 @@ TEST(SimulationTest, LeavesWhatIsThereAlone) {
   EXPECT_EQ(entries, 2);
 }
 
+TEST(SimulationTest, FliesATrajectoryByItsOwnClock) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "flight.txt";
+  {
+    std::ofstream stream(file);
+    // 3 s at rest, then 1 m/s along x; the head turned by 90 degrees.
+    for (int i = 0; i < 100; ++i) {
+      stream << 1403636580 + i / 10 << '.' << i % 10 << "5 " << 4.0 + 0.1 * std::max(0, i - 30)
+             << " -2 0.5 0.7071068 0 0 0.7071068\n";
+    }
+  }
+  SimulationOptions options = Small();
+  options.trajectory = file;
+  options.from_takeoff = true;
+  options.start_s = 2.0;
+  Simulate(options, folder.path() / "out");
+  const auto states =
+      ReadCsv(folder.path() / "out" / "mav0" / "state_groundtruth_estimate0" / "data.csv");
+  // The last pose at rest is at 0.05 + 3.0 s; 2 s later the body flies.
+  EXPECT_NEAR(states[0][0], 1403636580.05 + 5.0 - 1.5e9, 1e-6);
+  EXPECT_NEAR(states[0][1], 6.0, 1e-3);
+  EXPECT_NEAR(states[0][2], -2.0, 1e-3);
+  EXPECT_NEAR(states[0][3], 0.5, 1e-3);
+  EXPECT_NEAR(states[0][8], 1.0, 1e-2);  // Velocity along x.
+
+  options.duration_s = 5.0;
+  try {
+    Simulate(options, folder.path() / "late");
+    FAIL() << "nothing thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              file.string() +
+                  ": ends 9.90 s after its first pose, expected more than the start of 5.00 s and "
+                  "the duration of 5.00 s");
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "late.part"));
+}
+
+TEST(SimulationTest, ReplacesWhatAKilledRunLeft) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "out.part" / "mav0" / "cam7" / "data");
+  Simulate(Small(), folder.path() / "out");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "mav0" / "cam1" / "data.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out" / "mav0" / "cam7"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.part"));
+}
+
 TEST(SimulationTest, RefusesOptionsOutOfRange) {
   SimulationOptions options;
   EXPECT_EQ(ErrorOf(options), "");
@@ -166,6 +213,12 @@ TEST(SimulationTest, RefusesOptionsOutOfRange) {
     options.rate_hz = bad;
     EXPECT_NE(ErrorOf(options).find("rate"), std::string::npos) << bad;
   }
+  options = {};
+  options.start_s = -1.0;
+  EXPECT_NE(ErrorOf(options).find("start"), std::string::npos);
+  options = {};
+  options.from_takeoff = true;
+  EXPECT_NE(ErrorOf(options).find("take-off"), std::string::npos);
   options = {};
   options.noise = std::nan("");
   EXPECT_NE(ErrorOf(options).find("noise"), std::string::npos);

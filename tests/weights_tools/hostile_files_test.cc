@@ -69,6 +69,13 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+TEST(HostileArrays, EveryTruncationOfANpyIsRefusedAndChangedBytesNeverCrash) {
+  for (const char* seed : {"npy/c.npy", "npy/f_3.npy"}) {
+    ExpectEveryTruncationRefused(Seed(seed));
+    ExpectFlipsSurvived(Seed(seed));
+  }
+}
+
 TEST(Corpus, EverySeedIsReadOrRefused) {
   int files = 0;
   int read = 0;

@@ -40,17 +40,17 @@ Moments MomentsOf(const std::vector<Eigen::Vector3d>& points) {
   return moments;
 }
 
-double RootMeanSquareDistance(const Similarity3& target_from_source,
-                              const std::vector<Eigen::Vector3d>& source,
-                              const std::vector<Eigen::Vector3d>& target) {
+Eigen::Vector3d Align(const Similarity3& target_from_source, const Eigen::Vector3d& source) {
+  return target_from_source.scale * (target_from_source.rigid.rotation * source) +
+         target_from_source.rigid.translation;
+}
+
+double RootMeanSquare(const std::vector<PoseError>& errors, double PoseError::*error) {
   double sum = 0.0;
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    const Eigen::Vector3d aligned =
-        target_from_source.scale * (target_from_source.rigid.rotation * source[i]) +
-        target_from_source.rigid.translation;
-    sum += (aligned - target[i]).squaredNorm();
+  for (const PoseError& pose : errors) {
+    sum += (pose.*error) * (pose.*error);
   }
-  return std::sqrt(sum / static_cast<double>(source.size()));
+  return std::sqrt(sum / static_cast<double>(errors.size()));
 }
 
 void EvaluateAbsolute(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
@@ -62,21 +62,31 @@ void EvaluateAbsolute(const std::vector<PosePair>& pairs, Evaluation& evaluation
   }
   const Moments source_moments = MomentsOf(source);
   const Moments target_moments = MomentsOf(target);
+  Similarity3 se3;
+  Similarity3 sim3;
   if (source_moments.InOnePlace() || target_moments.InOnePlace()) {
-    Similarity3 shift;
-    shift.rigid.translation = target_moments.mean - source_moments.mean;
-    evaluation.ate_se3_m = RootMeanSquareDistance(shift, source, target);
-    evaluation.ate_sim3_m = evaluation.ate_se3_m;
+    se3.rigid.translation = target_moments.mean - source_moments.mean;
+    sim3 = se3;
     evaluation.scale = std::numeric_limits<double>::quiet_NaN();
-    evaluation.groundtruth_world_from_estimate_world = shift.rigid;
-    return;
+  } else {
+    se3 = AlignUmeyama(source, target, /*with_scale=*/false);
+    sim3 = AlignUmeyama(source, target, /*with_scale=*/true);
+    evaluation.scale = sim3.scale;
   }
-  const Similarity3 se3 = AlignUmeyama(source, target, /*with_scale=*/false);
-  const Similarity3 sim3 = AlignUmeyama(source, target, /*with_scale=*/true);
-  evaluation.ate_se3_m = RootMeanSquareDistance(se3, source, target);
-  evaluation.ate_sim3_m = RootMeanSquareDistance(sim3, source, target);
-  evaluation.scale = sim3.scale;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    PoseError error;
+    error.timestamp_ns = pairs[i].estimate->timestamp_ns;
+    error.groundtruth = target[i];
+    error.se3 = Align(se3, source[i]);
+    error.sim3 = Align(sim3, source[i]);
+    error.se3_m = (error.se3 - target[i]).norm();
+    error.sim3_m = (error.sim3 - target[i]).norm();
+    evaluation.errors.push_back(error);
+  }
+  evaluation.ate_se3_m = RootMeanSquare(evaluation.errors, &PoseError::se3_m);
+  evaluation.ate_sim3_m = RootMeanSquare(evaluation.errors, &PoseError::sim3_m);
   evaluation.groundtruth_world_from_estimate_world = se3.rigid;
+  evaluation.groundtruth_world_from_estimate_world_sim3 = sim3;
 }
 
 /// KITTI's lengths of sub-paths, or the largest tenths of them of which a path holds five.
@@ -138,6 +148,14 @@ void EvaluateRelative(const std::vector<PosePair>& pairs, Evaluation& evaluation
       count > 0 ? 1.0 / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
   evaluation.rpe_translation_percent = kPercent * weight * translation_sum;
   evaluation.rpe_rotation_deg_per_m = kDegrees * weight * rotation_sum;
+}
+
+void EvaluateMotions(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const Rigid3 error = MotionError(pairs[i - 1], pairs[i]);
+    evaluation.errors[i].motion_m = error.translation.norm();
+    evaluation.errors[i].motion_deg = AngleOf(error) * 180.0 / std::numbers::pi;
+  }
 }
 
 void EvaluateFrameSteps(const std::vector<PosePair>& pairs, const EvaluationOptions& options,
@@ -240,6 +258,7 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
   Evaluation evaluation;
   evaluation.pairs = pairs.size();
   EvaluateAbsolute(pairs, evaluation);
+  EvaluateMotions(pairs, evaluation);
   evaluation.right_motions = CountRightMotions(pairs, options);
   EvaluateRelative(pairs, evaluation);
   EvaluateFrameSteps(pairs, options, evaluation);

@@ -74,11 +74,12 @@ void KltOptions::Validate() const {
   CheckAtLeast(levels, 0, "klt.levels");
   CheckPositive(max_return_distance, "klt.max_return_distance");
   CheckAtLeast(border, 0, "klt.border");
+  CheckPositive(max_epipolar_error_px, "klt.max_epipolar_error_px");
   CheckPositive(fundamental_distance, "klt.fundamental_distance");
 }
 
 KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
-    : rig_(rig), options_(options) {
+    : rig_(rig), epipolar_(rig), options_(options) {
   options_.Validate();
 }
 
@@ -198,10 +199,14 @@ void KltFrontEnd::MatchStereo(const std::vector<cv::Mat>& left, const std::vecto
     observation.left_pixel = ToEigen(tracks_[i].pixel);
     observation.left = rig_.cameras[0].Undistort(observation.left_pixel);
     observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
-    if (flow.found[i] != 0) {
+    const Eigen::Vector2d right_pixel = ToEigen(flow.pixels[i]);
+    const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(right_pixel);
+    // False, too, where a pixel is beyond the camera model and has no ray.
+    if (flow.found[i] != 0 &&
+        epipolar_.Distance(observation.left, in_right) <= options_.max_epipolar_error_px) {
       observation.has_right = true;
-      observation.right_pixel = ToEigen(flow.pixels[i]);
-      observation.right = rig_.cameras[1].Undistort(observation.right_pixel);
+      observation.right_pixel = right_pixel;
+      observation.right = in_right;
       observation.stereo_confidence = 1.0F;
     }
     result.observations.push_back(observation);

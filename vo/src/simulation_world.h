@@ -69,10 +69,4 @@ class WorldView {
   std::vector<Placed> boxes_;
 };
 
-/// A hall of 12 x 9 x 3.4 m around the origin (floor at z = 0) with pillars, crates, standing and
-/// hanging panels, all drawn from the seed and kept 0.6 m off the points of `keep_clear`; textures
-/// in texels of `texel_m` metres.
-SimulatedWorld MakeHall(uint64_t seed, const std::vector<Eigen::Vector3d>& keep_clear,
-                        double texel_m, int threads);
-
 }  // namespace gluevo::vo

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,22 @@ struct Similarity3 {
 Similarity3 AlignUmeyama(const std::vector<Eigen::Vector3d>& source,
                          const std::vector<Eigen::Vector3d>& target, bool with_scale);
 
+/// One pose of the estimate that has a partner in the ground truth, and what is wrong with it.
+struct PoseError {
+  int64_t timestamp_ns = 0;  ///< The estimate's.
+  /// Positions in the ground truth's world, metres: the truth, and the estimate after SE(3) and
+  /// after Sim(3) alignment of the whole trajectory.
+  Eigen::Vector3d groundtruth = Eigen::Vector3d::Zero();
+  Eigen::Vector3d se3 = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sim3 = Eigen::Vector3d::Zero();
+  double se3_m = 0.0;  ///< Distance of the aligned estimate from the truth.
+  double sim3_m = 0.0;
+  /// Error of the motion since the associated pose before, which no alignment touches: 0 for the
+  /// first.
+  double motion_m = 0.0;
+  double motion_deg = 0.0;
+};
+
 /// How an estimate compares with ground truth, over the poses that associate by time: each pose of
 /// the shorter trajectory with the nearest in time of the longer one (the earlier of two equally
 /// near), as the public tool evo does. Poses must be of the same body frame; the world frames may
@@ -48,6 +65,9 @@ struct Evaluation {
   double scale = 1.0;
   /// The SE(3) alignment: the estimate's world to the ground truth's.
   Rigid3 groundtruth_world_from_estimate_world;
+  /// The Sim(3) alignment, the same way round.
+  Similarity3 groundtruth_world_from_estimate_world_sim3;
+  std::vector<PoseError> errors;  ///< One an associated pair, in order of time.
   /// Relative pose error over sub-paths (Geiger et al. 2012): mean over all starts and lengths of
   /// the translation error in percent of the length and of the rotation error in degrees a metre.
   /// Every associated pose is a start (KITTI's own tool takes every tenth, too few for a short

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,9 +14,18 @@ namespace gluevo::vo {
 struct SimulationOptions {
   /// Name of the path that the body flies, one of SimulationPaths().
   std::string path = "hall_loop";
+  /// In place of a named path: a TUM or EuRoC file of world_from_body, which a spline follows (see
+  /// below); the data set then has the file's times.
+  std::filesystem::path trajectory;
+  /// Begins this many seconds after the first pose, or after the take-off, or into the named path.
+  double start_s = 0.0;
+  /// Begins the trajectory where the body, after 2 s or more at rest, leaves for a place more than
+  /// 1 m away, so that waiting and being shaken by hand before the flight are left out.
+  bool from_takeoff = false;
   /// Makes the room, its textures and all noise.
   uint64_t seed = 1;
-  double duration_s = 20.0;
+  /// Nothing: to the end of the trajectory, 20 s of a named path.
+  std::optional<double> duration_s;
   /// Stereo pairs a second.
   double rate_hz = 10.0;
   /// Size of the images in pixels; the cameras' focal lengths follow the width.
@@ -42,9 +52,19 @@ StereoRig SimulationRig(int width, int height);
 
 /// Renders a stereo sequence through a textured room as an EuRoC ASL folder: directory/mav0 with
 /// cam0, cam1 (png), imu0 (200 Hz, with EuRoC's noise and biases) and the ground truth of the body
-/// at every image's and every IMU sample's time. The folder is made under the name
-/// "DIRECTORY.part" and renamed when whole. `progress` is called with the images done and all
-/// images, from one thread at a time. Throws Error where the directory exists or cannot be written.
+/// at every image's and every IMU sample's time. The room is fitted around the path, whose world's
+/// z points up.
+///
+/// A trajectory's poses are taken as EuRoC's ground truth gives them: world from the IMU (x up, y
+/// right, z forward in the flights with the rig of SimulationRig). It is flown by a spline with
+/// four continuous derivatives, fitted with a bandwidth of about 4 Hz: it stays within millimetres
+/// of smooth recordings and turns their jumps into fast motions. Ground truth and inertial samples
+/// are the spline's.
+///
+/// The folder is made under the name "DIRECTORY.part" and renamed when whole; what a killed run
+/// left under that name is replaced. `progress` is called with the images done and all images, from
+/// one thread at a time. Throws Error where the directory exists or cannot be written, and where
+/// the trajectory cannot be read or flown.
 void Simulate(const SimulationOptions& options, const std::filesystem::path& directory,
               const std::function<void(int, int)>& progress = {});
 
