@@ -25,7 +25,8 @@ std::vector<Segment> ParseSegments(const std::filesystem::path& file) {
   }
   std::vector<Segment> segments;
   try {
-    for (const auto& entry : nlohmann::json::parse(stream).at("segments")) {
+    const nlohmann::json metrics = nlohmann::json::parse(stream);
+    for (const nlohmann::json& entry : metrics.at("segments")) {
       segments.push_back({entry.at("first_frame").get<std::size_t>(),
                           entry.at("last_frame").get<std::size_t>(),
                           entry.at("start_s").get<double>(), entry.at("end_s").get<double>()});

@@ -213,7 +213,8 @@ TEST_F(RunTest, BadUsageExitsWithTwo) {
   EXPECT_EQ(Run("run a -o b --no-such-option").exit_code, 2);
   EXPECT_EQ(Run("run a -o b --method sift").exit_code, 2);
   EXPECT_EQ(Run("").exit_code, 2);
-  for (const std::string command : {"run", "extract", "match", "evaluate", "simulate"}) {
+  for (const std::string command :
+       {"run", "extract", "match", "evaluate", "experiment", "simulate"}) {
     const Outcome help = Run(command + " --help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Example"), std::string::npos) << command;
