@@ -93,6 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
         SuperPointCase{"superpoint_folded_dynamo.onnx", "golden_superpoint_batch_norm",
                        "pytorch-superpoint"},
         SuperPointCase{"superpoint_int8.onnx", "golden_superpoint_int8", "magic-leap"},
+        SuperPointCase{"superpoint_qlinear.onnx", "golden_superpoint_qlinear", "magic-leap"},
         SuperPointCase{"superpoint_rpautrat.onnx", "golden_superpoint_rpautrat", "rpautrat", 10},
         SuperPointCase{"superpoint_rpautrat.pth", "golden_superpoint_rpautrat", "rpautrat", 10}),
     [](const auto& c) {

@@ -61,7 +61,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values("container/magic_leap.safetensors", "container/rpautrat.safetensors",
                     "container/hugging_face.safetensors", "container/superglue_half.safetensors",
                     "container/superglue_legacy.pth", "onnx/magic_leap.onnx",
-                    "onnx/batch_norm.onnx", "onnx/int8.onnx"),
+                    "onnx/batch_norm.onnx", "onnx/int8.onnx", "onnx/qlinear.onnx"),
     [](const auto& seed) {
       std::string name = seed.param;
       std::replace_if(
