@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "gluevo/vo/reprojection_factors.h"
@@ -37,6 +38,43 @@ class Linearized {
   using RowMajor = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::Vector2d residual_;
   std::vector<RowMajor> ambient_;
+};
+
+// All residuals of a landmark, two rows each, weighted as the loss weighs them now.
+class LandmarkRows {
+ public:
+  LandmarkRows(std::size_t views, std::size_t frames, double huber)
+      : by_state_(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(4 * views),
+                                        static_cast<Eigen::Index>(kPose * frames) + kTurn)),
+        by_landmark_(Eigen::MatrixXd::Zero(by_state_.rows(), 3)),
+        residual_(Eigen::VectorXd::Zero(by_state_.rows())),
+        huber_(huber) {}
+
+  void SetPose(std::size_t frame, const Eigen::Matrix<double, 2, kPose>& derivative) {
+    by_state_.block<2, kPose>(row_, static_cast<Eigen::Index>(kPose * frame)) = derivative;
+  }
+  void SetTurn(const Eigen::Matrix<double, 2, kTurn>& derivative) {
+    by_state_.block<2, kTurn>(row_, by_state_.cols() - kTurn) = derivative;
+  }
+  // Ends the rows whose other derivatives have been set.
+  void Finish(const Eigen::Vector2d& residual, const Eigen::Matrix<double, 2, 3>& by_landmark) {
+    const double robust = std::sqrt(std::min(1.0, huber_ / residual.norm()));
+    by_state_.middleRows<2>(row_) *= robust;
+    by_landmark_.middleRows<2>(row_) = robust * by_landmark;
+    residual_.segment<2>(row_) = robust * residual;
+    row_ += 2;
+  }
+  void AddTo(Marginalizer& marginalizer, const Eigen::VectorXd& delta) const {
+    marginalizer.AddLandmark(by_state_.topRows(row_), by_landmark_.topRows(row_),
+                             residual_.head(row_), delta);
+  }
+
+ private:
+  Eigen::MatrixXd by_state_;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> by_landmark_;
+  Eigen::VectorXd residual_;
+  double huber_;
+  Eigen::Index row_ = 0;
 };
 
 }  // namespace
@@ -81,67 +119,46 @@ void SlidingWindow::AddToMarginalizer(const Landmark& landmark, Marginalizer& ma
     present.push_back(ToParameters(present_poses.back()));
     first_estimates.push_back(ToParameters(linearization.world_from_body[i]));
   }
+  const bool is_turn_known = options_.right_turn_sigma == 0.0;
   const Eigen::Vector3d no_turn = Eigen::Vector3d::Zero();
+  const double* const point = landmark.point->data();
   const double weight = 1.0 / options_.noise;
-  const Rigid3 right_from_left = rig_.right_from_left();
-  const std::size_t views = landmark.views.size();
-  const auto columns = static_cast<Eigen::Index>(kPose * frames_.size() + kTurn);
-  Eigen::MatrixXd by_state = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(4 * views), columns);
-  Eigen::Matrix<double, Eigen::Dynamic, 3> by_landmark =
-      Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(by_state.rows(), 3);
-  Eigen::VectorXd residual = Eigen::VectorXd::Zero(by_state.rows());
-  Eigen::Index row = 0;
-  const auto add = [&](const Linearized& factor, Eigen::Matrix<double, 2, 3> by_point,
-                       bool is_right, std::size_t turn_block) {
-    // As the loss weighs it now.
-    const double robust = std::sqrt(std::min(1.0, options_.huber / factor.residual().norm()));
-    if (is_right && options_.right_turn_sigma > 0.0) {
-      by_state.block<2, kTurn>(row, columns - kTurn) = factor.ByVector(turn_block);
-    }
-    by_landmark.middleRows<2>(row) = by_point;
-    residual.segment<2>(row) = factor.residual();
-    by_state.middleRows<2>(row) *= robust;
-    by_landmark.middleRows<2>(row) *= robust;
-    residual.segment<2>(row) *= robust;
-    row += 2;
-  };
-  const LandmarkView& anchor = landmark.views.front();
-  const std::size_t anchor_index = FrameIndex(anchor.frame_id);
-  const auto add_same = [&](const Rigid3& cam_from_anchor, const Eigen::Vector2d& seen,
-                            bool is_right) {
+  const std::size_t anchor = FrameIndex(landmark.views.front().frame_id);
+  LandmarkRows rows(landmark.views.size(), frames_.size(), options_.huber);
+
+  const auto add_same_frame = [&](int camera, const Eigen::Vector2d& seen) {
+    const Rigid3 cam_from_anchor = camera == 0 ? Rigid3{} : rig_.right_from_left();
     const SameFrameReprojection factor(cam_from_anchor, seen, weight);
-    const std::vector<const double*> parameters = {landmark.point->data(), no_turn.data()};
-    const Linearized linearized(factor, parameters, parameters);
-    add(linearized, linearized.ByVector(0), is_right, 1);
+    const Linearized linearized(factor, {point, no_turn.data()}, {point, no_turn.data()});
+    if (camera == 1 && !is_turn_known) {
+      rows.SetTurn(linearized.ByVector(1));
+    }
+    rows.Finish(linearized.residual(), linearized.ByVector(0));
   };
-  add_same({}, anchor.left, false);
-  if (anchor.right) {
-    add_same(right_from_left, *anchor.right, true);
-  }
-  const auto add_other = [&](std::size_t index, int camera, const Eigen::Vector2d& seen) {
+  const auto add_other_frame = [&](std::size_t frame, int camera, const Eigen::Vector2d& seen) {
     const OtherFrameReprojection factor(rig_.body_from_cam[0], rig_.body_from_cam[camera], seen,
                                         weight);
     const Linearized linearized(
-        factor,
-        {present[anchor_index].data(), present[index].data(), landmark.point->data(),
-         no_turn.data()},
-        {first_estimates[anchor_index].data(), first_estimates[index].data(),
-         landmark.point->data(), no_turn.data()});
-    by_state.block<2, kPose>(row, static_cast<Eigen::Index>(kPose * anchor_index)) =
-        linearized.ByPose(0, first_estimates[anchor_index].data());
-    by_state.block<2, kPose>(row, static_cast<Eigen::Index>(kPose * index)) =
-        linearized.ByPose(1, first_estimates[index].data());
-    add(linearized, linearized.ByVector(2), camera == 1, 3);
+        factor, {present[anchor].data(), present[frame].data(), point, no_turn.data()},
+        {first_estimates[anchor].data(), first_estimates[frame].data(), point, no_turn.data()});
+    rows.SetPose(anchor, linearized.ByPose(0, first_estimates[anchor].data()));
+    rows.SetPose(frame, linearized.ByPose(1, first_estimates[frame].data()));
+    if (camera == 1 && !is_turn_known) {
+      rows.SetTurn(linearized.ByVector(3));
+    }
+    rows.Finish(linearized.residual(), linearized.ByVector(2));
   };
-  for (std::size_t i = 1; i < views; ++i) {
-    const LandmarkView& view = landmark.views[i];
-    add_other(FrameIndex(view.frame_id), 0, view.left);
+  for (const LandmarkView& view : landmark.views) {
+    const std::size_t frame = FrameIndex(view.frame_id);
+    const auto add = [&](int camera, const Eigen::Vector2d& seen) {
+      frame == anchor ? add_same_frame(camera, seen) : add_other_frame(frame, camera, seen);
+    };
+    add(0, view.left);
     if (view.right) {
-      add_other(FrameIndex(view.frame_id), 1, *view.right);
+      add(1, *view.right);
     }
   }
-  marginalizer.AddLandmark(by_state.topRows(row), by_landmark.topRows(row), residual.head(row),
-                           linearization.Delta(present_poses, rig_.body_from_cam[1].rotation));
+  rows.AddTo(marginalizer, linearization.Delta(present_poses, rig_.body_from_cam[1].rotation));
 }
 
 }  // namespace gluevo::vo
