@@ -64,6 +64,8 @@ class H5OutputFile {
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const float* values);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const int32_t* values);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const int64_t* values);
+  void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const double* values);
+  void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const uint8_t* values);
   void Finish();
 
  private:
