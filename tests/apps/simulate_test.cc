@@ -26,7 +26,6 @@ TEST_F(SimulateTest, BadOptionsGetOneClearLine) {
   ExpectRefused("--duration 0", "duration");
   ExpectRefused("--rate 1e9", "rate");
   ExpectRefused("--width 10", "pixels");
-  ExpectRefused("--width 100 --height 3000", "height");
   ExpectRefused("--noise -1", "noise");
   ExpectRefused("--light 2", "light");
   ExpectRefused("--motion-blur 1000", "motion blur");
