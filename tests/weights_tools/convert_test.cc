@@ -90,6 +90,19 @@ TEST_F(ConvertTest, MetadataTellWhereWeightsComeFromAndWhatTheyFit) {
   EXPECT_EQ(Convert({Save("b", licensed)}).at(0).metadata.at("licence"), "MIT");
 }
 
+TEST_F(ConvertTest, RefusesWhatOverflowsInTheConversion) {
+  nn::Weights weights = SmallSuperPoint();
+  std::mt19937 random(3);
+  AddBatchNorm(weights, "bn2a", 4, random);
+  weights.tensors.at("bn2a.weight")[1] = 3e38F;
+  weights.tensors.at("conv2a.bias")[1] = 1e3F;
+  const fs::path in = Save("in", weights);
+  EXPECT_EQ(MessageOf([&] { Convert({in}); }),
+            in.string() +
+                ": tensor \"conv2a.bias\" of the converted network holds an infinite "
+                "value or NaN, expected finite weights");
+}
+
 TEST_F(ConvertTest, RefusesOptionsOutOfRange) {
   const fs::path in = Save("in", SmallSuperGlue());
   EXPECT_EQ(MessageOf([&] { Convert({in}, {.heads = 0}); }),

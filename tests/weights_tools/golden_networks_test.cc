@@ -6,6 +6,7 @@
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/weights_tools/convert.h"
+#include "hostile.h"
 #include "nn/golden.h"
 #include "plain_superpoint.h"
 
@@ -92,6 +93,7 @@ INSTANTIATE_TEST_SUITE_P(
         SuperPointCase{"superpoint_folded_dynamo.onnx", "golden_superpoint_batch_norm",
                        "pytorch-superpoint"},
         SuperPointCase{"superpoint_int8.onnx", "golden_superpoint_int8", "magic-leap"},
+        SuperPointCase{"superpoint_qlinear.onnx", "golden_superpoint_qlinear", "magic-leap"},
         SuperPointCase{"superpoint_rpautrat.onnx", "golden_superpoint_rpautrat", "rpautrat", 10},
         SuperPointCase{"superpoint_rpautrat.pth", "golden_superpoint_rpautrat", "rpautrat", 10}),
     [](const auto& c) {
@@ -148,6 +150,18 @@ TEST(GoldenSuperGlue, ExportsToOnnxWithNamesOrWithout) {
     EXPECT_EQ(weights.metadata.at("source_form"), "onnx");
     ExpectGoldenSuperGlue(weights);
   }
+}
+
+// Hugging Face's layers are products of matrices whose channels are in another order than the
+// published convolutions': without names nothing tells which.
+TEST(GoldenSuperGlue, AnExportOfMatricesThatLostAllNamesIsRefused) {
+  std::string bytes = TestFile("superglue_hugging_face.onnx");
+  const std::string ending = ".bias";
+  for (std::size_t at = 0; (at = bytes.find(ending, at)) != std::string::npos;) {
+    bytes.replace(at, ending.size(), "_lost");
+  }
+  EXPECT_NO_THROW(Parse(TestFile("superglue_hugging_face.onnx")));
+  ExpectRefused(bytes, "file: byte ", "nothing tells the order of the channels of its attention");
 }
 
 TEST(GoldenSuperGlue, AFileOfBothGivesBoth) {

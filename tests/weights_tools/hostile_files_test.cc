@@ -61,13 +61,20 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values("container/magic_leap.safetensors", "container/rpautrat.safetensors",
                     "container/hugging_face.safetensors", "container/superglue_half.safetensors",
                     "container/superglue_legacy.pth", "onnx/magic_leap.onnx",
-                    "onnx/batch_norm.onnx", "onnx/int8.onnx"),
+                    "onnx/batch_norm.onnx", "onnx/int8.onnx", "onnx/qlinear.onnx"),
     [](const auto& seed) {
       std::string name = seed.param;
       std::replace_if(
           name.begin(), name.end(), [](char c) { return c == '/' || c == '.'; }, '_');
       return name;
     });
+
+TEST(HostileArrays, EveryTruncationOfANpyIsRefusedAndChangedBytesNeverCrash) {
+  for (const char* seed : {"npy/c.npy", "npy/f_3.npy"}) {
+    ExpectEveryTruncationRefused(Seed(seed));
+    ExpectFlipsSurvived(Seed(seed));
+  }
+}
 
 TEST(Corpus, EverySeedIsReadOrRefused) {
   int files = 0;

@@ -7,6 +7,7 @@
 #include "hostile.h"
 #include "nn/weight_files.h"
 #include "onnx_constants.h"
+#include "onnx_files.h"
 #include "onnx_model.h"
 #include "protobuf.h"
 
@@ -15,56 +16,6 @@ namespace {
 
 using nn::Floats;
 using nn::Values;
-
-std::string Varint(uint64_t value) {
-  std::string bytes;
-  for (; value >= 0x80; value >>= 7) {
-    bytes += static_cast<char>(0x80 | (value & 0x7f));
-  }
-  return bytes + static_cast<char>(value);
-}
-std::string Number(uint64_t field, uint64_t value) { return Varint(field << 3) + Varint(value); }
-std::string Text(uint64_t field, const std::string& text) {
-  return Varint(field << 3 | 2) + Varint(text.size()) + text;
-}
-
-// A TensorProto of this type, its values in raw_data.
-std::string Tensor(const std::string& name, const std::vector<uint64_t>& dims, uint64_t type,
-                   const std::string& raw) {
-  std::string tensor;
-  for (const uint64_t extent : dims) {
-    tensor += Number(1, extent);
-  }
-  return tensor + Number(2, type) + Text(8, name) + Text(9, raw);
-}
-
-std::string Node(const std::string& op, const std::vector<std::string>& inputs,
-                 const std::string& output, const std::string& attributes = "") {
-  std::string node;
-  for (const std::string& input : inputs) {
-    node += Text(1, input);
-  }
-  return node + Text(2, output) + Text(3, "the node") + Text(4, op) + attributes;
-}
-
-std::string Integers(const std::string& name, const std::vector<uint64_t>& values) {
-  std::string attribute = Text(1, name);
-  for (const uint64_t value : values) {
-    attribute += Number(8, value);
-  }
-  return Text(5, attribute);
-}
-
-std::string Model(const std::vector<std::string>& nodes, const std::vector<std::string>& tensors) {
-  std::string graph;
-  for (const std::string& node : nodes) {
-    graph += Text(1, node);
-  }
-  for (const std::string& tensor : tensors) {
-    graph += Text(5, tensor);
-  }
-  return Number(1, 8) + Text(7, graph);
-}
 
 std::vector<float> OnlyConstant(const std::vector<std::string>& nodes,
                                 const std::vector<std::string>& tensors, const std::string& name) {
@@ -185,8 +136,8 @@ TEST(OnnxTest, RefusesConvolutionsThatTheNetworksDoNotHave) {
   // A good one is refused only for not being a whole network.
   EXPECT_EQ(Parse(Convolution(pads, weight)).weights.tensors.size(), 2U);
   ExpectRefused(Model({Node("Conv", {"x", "w"}, "y")}, {}), "file: byte ", "no constant weights");
-  ExpectRefused(Model({Node("QLinearConv", {"x"}, "y")}, {}), "file: byte ",
-                "the model has a QLinearConv, which is not read");
+  ExpectRefused(Model({Node("ConvInteger", {"x"}, "y")}, {}), "file: byte ",
+                "the model has a ConvInteger, which is not read");
 }
 
 TEST(OnnxTest, ReadsEveryKindOfMatrix) {
@@ -207,6 +158,37 @@ TEST(OnnxTest, ReadsEveryKindOfMatrix) {
               (std::vector<float>{1, 3, 5, 2, 4, 6}));
     EXPECT_EQ(Values(weights.Get("m.bias")), (std::vector<float>{7, 8}));
   }
+}
+
+TEST(OnnxTest, ABiasMayBeAddedBehindAnyLayer) {
+  const std::string scale = Tensor("s", {}, 1, Floats({2}));
+  const std::string bias = Tensor("c.bias", {1, 2, 1, 1}, 1, Floats({7, 8}));
+  const std::string weight = Tensor("c.weight", {2, 1, 1, 1}, 1, Floats({1, 2}));
+  for (const auto& between :
+       {std::vector<std::string>{Node("Conv", {"x", "c.weight"}, "a")},
+        std::vector<std::string>{Node("Conv", {"x", "c.weight"}, "p"),
+                                 Node("QuantizeLinear", {"p", "s"}, "q"),
+                                 Node("DequantizeLinear", {"q", "s"}, "a")}}) {
+    std::vector<std::string> nodes = between;
+    nodes.push_back(Node("Add", {"a", "c.bias"}, "y"));
+    const nn::Weights weights = Parse(Model(nodes, {weight, bias, scale})).weights;
+    EXPECT_EQ(Values(weights.Get("c.bias", nn::Shape{2})), (std::vector<float>{7, 8}));
+  }
+}
+
+// Their order and their names alone would make the wrong network of them.
+TEST(OnnxTest, RefusesConstantsBehindALayerThatWouldBeLost) {
+  const std::string weight = Tensor("c.weight", {2, 1, 1, 1}, 1, Floats({1, 2}));
+  const std::string bias = Tensor("c.bias", {2}, 1, Floats({7, 8}));
+  const std::string more = Tensor("more", {1, 2, 1, 1}, 1, Floats({1, 2}));
+  const std::string conv = Node("Conv", {"x", "c.weight", "c.bias"}, "a");
+  for (const char* op : {"Add", "Sub", "Mul", "Div"}) {
+    ExpectRefused(Model({conv, Node(op, {"a", "more"}, "y")}, {weight, bias, more}), "file: byte ",
+                  std::string("the ") + op + " \"the node\" puts constants behind a layer");
+  }
+  // One factor is the scale of attention.
+  const std::string one = Tensor("one", {}, 1, Floats({2}));
+  EXPECT_NO_THROW(Parse(Model({conv, Node("Mul", {"a", "one"}, "y")}, {weight, bias, one})));
 }
 
 TEST(OnnxTest, RefusesModelsThatUseATensorTooOften) {

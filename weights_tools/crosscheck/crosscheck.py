@@ -10,6 +10,7 @@ skipped.
 """
 
 import argparse
+import copy
 import os
 import subprocess
 import sys
@@ -38,6 +39,10 @@ def check(what, value, allowed):
 
 def relative_rms(actual, expected):
     return float((actual.double() - expected.double()).norm() / expected.double().norm())
+
+
+def distance(a, b):
+    return float((a.double() - b.double()).abs().max())
 
 
 def run(program, folder, weights, tensors):
@@ -74,42 +79,71 @@ def check_superpoint(program, folder, name, network, save, outputs=None):
         )
 
 
-def check_superglue(program, folder, size, **options):
+def superglue_files(network, folder):
+    """Each form by its name: a function that writes it and returns the file."""
+    published = networks.magic_leap_names(network)
+    legacy = dict(_use_new_zipfile_serialization=False)
+
+    def file(name, save):
+        path = os.path.join(folder, name)
+        save(path)
+        return path
+
+    return {
+        "hugging face, safetensors": lambda: file(
+            "hf", lambda p: save_file(network.state_dict(), p)
+        ),
+        "published names, zip": lambda: file("zip", lambda p: torch.save(published, p)),
+        "published names, legacy": lambda: file(
+            "legacy", lambda p: torch.save(published, p, **legacy)
+        ),
+    }
+
+
+def pretrained_files(network, folder):
+    """A folder as transformers writes it, whose config.json tells the number of heads."""
+
+    def save():
+        path = os.path.join(folder, "pretrained")
+        network.save_pretrained(path)
+        return os.path.join(path, "model.safetensors")
+
+    return {f"hugging face, {network.config.num_attention_heads} heads, save_pretrained": save}
+
+
+def check_superglue(program, folder, files, size, **options):
     width, height, count = 640, 480, 200
     network = networks.hugging_face_superglue(size=size, **options)
     networks.randomize(network, 11)
     networks.sharpen(network, damping=0.1, gain=12.0)
     network.config.matching_threshold = 0.2
     first, second = inputs.features(count, size, width, height)
-    with torch.no_grad():
-        stacked = [torch.stack(pair)[None] for pair in zip(first, second)]
-        matches, scores, *_ = network._match_image_pair(
-            stacked[0], stacked[2], stacked[1], height, width
-        )
-    matches, scores = matches[0, 0], scores[0, 0]
+    keypoints, confidences, descriptors = (torch.stack(pair)[None] for pair in zip(first, second))
+
+    def match(network, dtype):
+        images = (x.to(dtype) for x in (keypoints, descriptors, confidences))
+        with torch.no_grad():
+            matches, scores, *_ = network._match_image_pair(*images, height, width)
+        return matches[0, 0], scores[0, 0]
+
+    matches, scores = match(network, torch.float32)
+    # How far rounding carries torch in float itself: nobody can agree with it beyond that.
+    exact_matches, exact = match(copy.deepcopy(network).double(), torch.float64)
     tensors = {"size": torch.tensor([width, height])}
     for i, image in enumerate((first, second)):
         tensors |= dict(zip((f"keypoints{i}", f"scores{i}", f"descriptors{i}"), image))
 
-    published = networks.magic_leap_names(network)
-    legacy = dict(_use_new_zipfile_serialization=False)
-    files = {
-        "superglue, hugging face, safetensors": lambda p: save_file(network.state_dict(), p),
-        "superglue, published names, zip": lambda p: torch.save(published, p),
-        "superglue, published names, legacy": lambda p: torch.save(published, p, **legacy),
-    }
-    for name, save in files.items():
-        print(name)
-        weights = os.path.join(folder, name.replace(" ", "_"))
-        save(weights)
+    for name, save in files(network, folder).items():
+        print(f"superglue, {name}")
+        weights = save()
         actual = run(program, folder, weights, tensors)
+        own_matches, own = actual["matches0"], actual["matching_scores0"]
         print(f"  {int((matches >= 0).sum())} matches, {os.path.getsize(weights)} bytes")
-        check("matches that differ", int((actual["matches0"] != matches).sum()), 0)
-        check(
-            "matching scores, largest difference",
-            float((actual["matching_scores0"] - scores).abs().max()),
-            TOLERANCE,
-        )
+        check("matches that differ", int((own_matches != matches).sum()), 0)
+        check("matches that differ from float64's", int((own_matches != exact_matches).sum()), 0)
+        check("matching scores, largest difference", distance(own, scores), TOLERANCE)
+        check("matching scores, from float64's", distance(own, exact), TOLERANCE)
+        print(f"  {'(those of torch in float)':52s} {distance(scores, exact):9.2e}")
     if int((matches >= 0).sum()) < count // 4:
         failures.append("too few matches to compare")
 
@@ -160,7 +194,8 @@ def main():
             lambda n, p: torch.save({"model_state_dict": n.state_dict()}, p),
         )
         superpoint("superpoint, batch norm folded, onnx", network, export)
-        check_superglue(program, folder, **glue)
+        check_superglue(program, folder, superglue_files, **glue)
+        check_superglue(program, folder, pretrained_files, heads=8, **glue)
     print(f"{len(failures)} failed" + "".join(f"\n  {what}" for what in failures))
     return 1 if failures else 0
 

@@ -76,6 +76,8 @@ def main():
         make_golden.export(superpoints[name], [image], path("onnx", f"{name}.onnx"))
     pixels = np.arange(256, dtype=np.uint8).reshape(16, 16)
     make_golden.make_int8(superpoints["magic_leap"], pixels, path("onnx", "int8.onnx"))
+    qlinear = path("onnx", "qlinear.onnx")
+    make_golden.make_int8(superpoints["magic_leap"], pixels, qlinear, operators=True)
     features = [torch.rand(2, 2), torch.rand(2), torch.rand(2, GLUE["size"])] * 2
     network = make_golden.WithAssignment(glue, lambda net, *inputs: net(*inputs))
     make_golden.export(network, features, path("onnx", "superglue.onnx"), keypoints=True)

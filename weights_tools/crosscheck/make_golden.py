@@ -56,9 +56,9 @@ def export(network, arguments, path, dynamo=False, keypoints=False):
     onnx.save(model, path)
 
 
-def make_int8(network, pixels, path):
-    """Quantises an export to int8 with a scale a channel; returns the network with the values
-    that the file then holds."""
+def make_int8(network, pixels, path, operators=False):
+    """Quantises an export to int8 with a scale a channel, between QuantizeLinear and
+    DequantizeLinear or into QLinearConv; returns the network with the values that the file holds."""
     from onnxruntime.quantization import CalibrationDataReader, QuantFormat, quantize_static
 
     class Images(CalibrationDataReader):
@@ -71,18 +71,44 @@ def make_int8(network, pixels, path):
     plain = path + ".float"
     example = torch.zeros(1, 1, *pixels.shape)
     torch.onnx.export(network, (example,), plain, dynamo=False, input_names=["image"])
-    quantize_static(plain, path, Images(), quant_format=QuantFormat.QDQ, per_channel=True)
+    form = QuantFormat.QOperator if operators else QuantFormat.QDQ
+    quantize_static(plain, path, Images(), quant_format=form, per_channel=True)
     os.remove(plain)
-    tensors = {t.name: onnx.numpy_helper.to_array(t) for t in onnx.load(path).graph.initializer}
-    state = {}
-    for name, value in network.state_dict().items():
-        quantized = tensors[name + "_quantized"].astype("float64")
-        scale = tensors[name + ("_scale" if name + "_scale" in tensors else "_quantized_scale")]
-        scale = scale.astype("float64").reshape(-1, *([1] * (value.dim() - 1)))
-        state[name] = torch.tensor(quantized * scale)
     changed = copy.deepcopy(network).double()
-    changed.load_state_dict(state)
+    changed.load_state_dict((values_of_operators if operators else values_between)(network, path))
     return changed
+
+
+def dequantized(numbers, scale):
+    scale = scale.astype("float64").reshape(-1, *([1] * (numbers.ndim - 1)))
+    return torch.tensor(numbers.astype("float64") * scale)
+
+
+def initializers(model):
+    return {t.name: onnx.numpy_helper.to_array(t) for t in model.graph.initializer}
+
+
+def values_between(network, path):
+    tensors = initializers(onnx.load(path))
+    scale = lambda name: tensors[name + ("_scale" if name + "_scale" in tensors else "_quantized_scale")]
+    names = network.state_dict()
+    return {name: dequantized(tensors[name + "_quantized"], scale(name)) for name in names}
+
+
+def values_of_operators(network, path):
+    model = onnx.load(path)
+    tensors = initializers(model)
+    state = {}
+    for node in model.graph.node:
+        if node.op_type == "QLinearConv":
+            x_scale, weight, scale, zero, bias = (node.input[i] for i in (1, 3, 4, 5, 8))
+            assert not tensors[zero].any()
+            scale = tensors[scale].astype("float64")
+            state[weight.removesuffix("_quantized")] = dequantized(tensors[weight], scale)
+            bias_scale = scale * tensors[x_scale].astype("float64")
+            state[bias.removesuffix("_quantized")] = dequantized(tensors[bias], bias_scale)
+    assert set(state) == set(network.state_dict()), sorted(state)
+    return state
 
 
 def main():
@@ -113,6 +139,8 @@ def main():
 
     network = networks.randomize(networks.MagicLeapSuperPoint(**WIDTHS), 6)
     golden("superpoint_int8", make_int8(network, pixels, path("superpoint_int8.onnx")))
+    quantized = make_int8(network, pixels, path("superpoint_qlinear.onnx"), operators=True)
+    golden("superpoint_qlinear", quantized)
 
     network = networks.randomize(networks.PytorchSuperpoint(**WIDTHS), 3)
     export(network, [image], path("superpoint_folded.onnx"))

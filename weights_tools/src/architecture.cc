@@ -107,7 +107,7 @@ void ReadHeads(const Weights& weights, SuperGlueArchitecture& architecture) {
     } catch (const Error& error) {
       throw Error(weights.source + ": " + error.what());
     }
-    architecture.heads_assumed = false;
+    architecture.heads_assumed = weights.metadata.contains("heads_assumed");
   }
   if (architecture.descriptor_size % architecture.heads != 0) {
     throw Error(weights.source + ": " + std::to_string(architecture.descriptor_size) +
@@ -210,6 +210,9 @@ std::map<std::string, std::string> ArchitectureMetadata(const Architecture& arch
     metadata["descriptor_size"] = std::to_string(superglue->descriptor_size);
     metadata["layers"] = std::to_string(superglue->layers);
     metadata["heads"] = std::to_string(superglue->heads);
+    if (superglue->heads_assumed) {
+      metadata["heads_assumed"] = "no tensor tells: as published";
+    }
   }
   return metadata;
 }

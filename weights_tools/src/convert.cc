@@ -1,10 +1,14 @@
 #include "gluevo/weights_tools/convert.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
+#include <variant>
 
 #include "containers.h"
 #include "dialects.h"
 #include "gluevo/weights_tools/architecture.h"
+#include "heads.h"
 #include "provenance.h"
 
 namespace gluevo::weights_tools {
@@ -48,12 +52,21 @@ std::map<std::string, std::string> FreshMetadata(const std::vector<std::filesyst
   return metadata;
 }
 
-int64_t Heads(const std::map<std::string, std::string>& metadata, const ConvertOptions& options) {
-  if (options.heads) {
-    return *options.heads;
+// As its metadata say, or the config.json beside the first file that has one.
+struct HeadsAndConfig {
+  std::optional<int64_t> heads;
+  std::optional<SuperGlueConfig> config;
+};
+
+HeadsAndConfig FindHeadsAndConfig(const std::vector<std::filesystem::path>& inputs,
+                                  const std::vector<Container>& parts,
+                                  const ConvertOptions& options) {
+  HeadsAndConfig found;
+  for (std::size_t i = 0; i < parts.size() && !found.config; ++i) {
+    found.config = ReadSuperGlueConfig(inputs[i], parts[i].weights);
   }
-  const auto found = metadata.find("heads");
-  return found == metadata.end() ? kPublishedHeads : ParseHeads(found->second);
+  found.heads = FindHeads(parts.front().weights, found.config, options.heads);
+  return found;
 }
 
 bool WasConverted(const std::vector<Container>& parts) {
@@ -63,18 +76,36 @@ bool WasConverted(const std::vector<Container>& parts) {
          found->second.starts_with("gluevo-weights ");
 }
 
+// The file's values are finite; scales, epsilons and what is folded can still overflow.
+void CheckFinite(const nn::Weights& weights) {
+  for (const auto& [name, tensor] : weights.tensors) {
+    if (!std::all_of(tensor.data(), tensor.data() + tensor.size(),
+                     [](float value) { return std::isfinite(value); })) {
+      throw Error(weights.source + ": tensor " + Quoted(name) +
+                  " of the converted network holds an infinite value or NaN, expected finite "
+                  "weights");
+    }
+  }
+}
+
 // `fresh` where the metadata are not yet those of a conversion, which tells all of this itself.
 void Describe(CanonicalNetwork& network, std::map<std::string, std::string> metadata, bool fresh,
-              const ConvertOptions& options) {
+              const HeadsAndConfig& heads, const ConvertOptions& options) {
   nn::Weights& weights = network.weights;
   weights.metadata = std::move(metadata);
-  if (options.heads) {
-    weights.metadata["heads"] = std::to_string(*options.heads);
+  if (heads.heads) {
+    weights.metadata["heads"] = std::to_string(*heads.heads);
   }
+  if (options.heads) {
+    weights.metadata.erase("heads_assumed");
+  }
+  CheckFinite(weights);
   const Architecture architecture = ReadArchitecture(weights);
   const std::string name = NetworkName(architecture);
   if (name == "superpoint") {
     weights.metadata.erase("heads");
+  } else if (heads.config) {
+    CheckConfig(*heads.config, std::get<SuperGlueArchitecture>(architecture), weights.source);
   }
   for (const auto& [key, text] : ArchitectureMetadata(architecture)) {
     weights.metadata[key] = text;
@@ -119,14 +150,16 @@ std::vector<nn::Weights> Convert(const std::vector<std::filesystem::path>& input
     parts.push_back(ReadContainer(input));
   }
   const bool converted_before = WasConverted(parts);
+  const HeadsAndConfig heads = FindHeadsAndConfig(inputs, parts, options);
   const std::map<std::string, std::string> metadata =
       converted_before ? parts.front().weights.metadata : FreshMetadata(inputs, parts);
   Container merged = Merge(std::move(parts));
   const std::string source = merged.weights.source;
 
   std::vector<nn::Weights> networks;
-  for (CanonicalNetwork& network : ToCanonical(std::move(merged), Heads(metadata, options))) {
-    Describe(network, metadata, !converted_before, options);
+  for (CanonicalNetwork& network :
+       ToCanonical(std::move(merged), heads.heads.value_or(kPublishedHeads))) {
+    Describe(network, metadata, !converted_before, heads, options);
     if (!options.network || network.weights.metadata.at("architecture") == *options.network) {
       networks.push_back(std::move(network.weights));
     }

@@ -10,6 +10,7 @@
 #include "containers.h"
 #include "dialects.h"
 #include "gluevo/weights_tools/architecture.h"
+#include "heads.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -26,14 +27,21 @@ struct Identity {
   std::string problem;
 };
 
-Identity Identify(const Container& container) {
+Identity Identify(const std::filesystem::path& path, const Container& container) {
   try {
-    const auto heads = container.weights.metadata.find("heads");
-    const bool told = heads != container.weights.metadata.end();
+    const std::optional<SuperGlueConfig> config = ReadSuperGlueConfig(path, container.weights);
+    const std::optional<int64_t> heads = FindHeads(container.weights, config, std::nullopt);
     Identity identity;
-    for (const CanonicalNetwork& network :
-         ToCanonical(container, told ? ParseHeads(heads->second) : kPublishedHeads)) {
-      identity.networks.push_back({ReadArchitecture(network.weights), network.dialect});
+    for (CanonicalNetwork& network : ToCanonical(container, heads.value_or(kPublishedHeads))) {
+      if (heads) {
+        network.weights.metadata["heads"] = std::to_string(*heads);
+      }
+      const Architecture architecture = ReadArchitecture(network.weights);
+      if (const auto* superglue = std::get_if<SuperGlueArchitecture>(&architecture);
+          superglue != nullptr && config) {
+        CheckConfig(*config, *superglue, network.weights.source);
+      }
+      identity.networks.push_back({architecture, network.dialect});
     }
     return identity;
   } catch (const Error& error) {
@@ -101,7 +109,7 @@ Json ToJson(const Network& network) {
 std::string InspectionText(const std::filesystem::path& path) {
   const Container container = ReadContainer(path);
   const nn::Weights& weights = container.weights;
-  const Identity identity = Identify(container);
+  const Identity identity = Identify(path, container);
   std::ostringstream text;
   const auto line = [&text](const std::string& name, const std::string& value) {
     text << std::left << std::setw(14) << name << Printable(value) << '\n';
@@ -147,7 +155,7 @@ std::string InspectionText(const std::filesystem::path& path) {
 std::string InspectionJson(const std::filesystem::path& path) {
   const Container container = ReadContainer(path);
   const nn::Weights& weights = container.weights;
-  const Identity identity = Identify(container);
+  const Identity identity = Identify(path, container);
   Json json;
   json["file"] = weights.source;
   json["sha256"] = weights.checksum;

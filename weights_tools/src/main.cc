@@ -18,6 +18,11 @@
 namespace gluevo::weights_tools {
 namespace {
 
+constexpr const char* kHeadsHelp =
+    "Attention heads of a SuperGlue, which no tensor tells; else as its metadata or a config.json "
+    "of "
+    "Hugging Face beside it say, else 4";
+
 struct ConvertArguments {
   std::vector<std::filesystem::path> inputs;
   std::filesystem::path output;
@@ -46,7 +51,11 @@ void RunConvert(const ConvertArguments& arguments) {
         IsFolder(arguments.output) ? arguments.output / (name + ".safetensors") : arguments.output;
     nn::WriteSafetensors(path, weights);
     std::cerr << "wrote " << path.string() << ": " << name << ", " << weights.tensors.size()
-              << " tensors\n";
+              << " tensors"
+              << (weights.metadata.contains("heads_assumed")
+                      ? ", " + weights.metadata.at("heads") + " attention heads assumed (--heads)"
+                      : "")
+              << '\n';
   }
 }
 
@@ -55,9 +64,10 @@ void AddConvert(CLI::App& app) {
       "convert", "Convert the weights of one network to the form that gluevo runs");
   const auto arguments = std::make_shared<ConvertArguments>();
   command
-      ->add_option("IN", arguments->inputs,
-                   "Weights: .pth or .pt of PyTorch, .safetensors, .npz or .npy; several for "
-                   "parts")
+      ->add_option(
+          "IN", arguments->inputs,
+          "Weights: .pth or .pt of PyTorch, .safetensors, .npz, .npy or .onnx; several for "
+          "parts")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
@@ -69,8 +79,7 @@ void AddConvert(CLI::App& app) {
   command->add_option("--licence", arguments->options.licence,
                       "Text for the metadata: under what licence they stand");
   command->add_option("--note", arguments->options.note, "Text for the metadata: anything else");
-  command->add_option("--heads", arguments->options.heads,
-                      "Attention heads of a SuperGlue, where the file does not tell (4)");
+  command->add_option("--heads", arguments->options.heads, kHeadsHelp);
   command
       ->add_option("--network", arguments->options.network,
                    "The one that is wanted of a file that holds both: superpoint or superglue")
@@ -126,8 +135,7 @@ void AddVerify(CLI::App& app) {
   command->add_option("A", arguments->first, "Weights of any form")->required();
   command->add_option("B", arguments->second, "Weights of any form")->required();
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
-  command->add_option("--heads", arguments->options.heads,
-                      "Attention heads of a SuperGlue, where the files do not tell (4)");
+  command->add_option("--heads", arguments->options.heads, kHeadsHelp);
   command
       ->add_option("--network", arguments->options.network,
                    "The one that is wanted of files that hold both: superpoint or superglue")

@@ -8,6 +8,7 @@
 #include "onnx_model.h"
 #include "onnx_modules.h"
 #include "onnx_order.h"
+#include "onnx_quantized.h"
 #include "reshape.h"
 
 namespace gluevo::weights_tools {
@@ -97,7 +98,8 @@ void PutDustbin(const OnnxModel& model, const OnnxConstants& constants, nn::Weig
 }  // namespace
 
 void ParseOnnx(const nn::Bytes& file, Container& container) {
-  const OnnxModel model = ReadOnnxModel(file);
+  OnnxModel model = ReadOnnxModel(file);
+  UnfoldQuantizedOperators(model);
   const OnnxConstants constants(model, file.size());
   const std::vector<OnnxLinear> linears = FindLinears(model, constants);
   nn::Weights& weights = container.weights;

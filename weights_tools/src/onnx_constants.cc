@@ -1,7 +1,10 @@
 #include "onnx_constants.h"
 
 #include <set>
+#include <string_view>
 #include <utility>
+
+#include "reshape.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -59,6 +62,35 @@ std::vector<const OnnxNode*> OnnxConstants::ConsumersOf(const std::string& name)
 
 std::optional<OnnxConstant> OnnxConstants::Get(const std::string& name) const {
   return Get(name, 0);
+}
+
+std::optional<OnnxConstant> OnnxConstants::AddedBehind(const OnnxNode& node, int64_t count) const {
+  static const std::set<std::string_view> kKeeping = {"QuantizeLinear", "DequantizeLinear",
+                                                      "Identity", "Cast"};
+  std::string value = node.outputs[0];
+  for (int depth = 0; depth < kDeepest; ++depth) {
+    const OnnxNode* next = nullptr;
+    for (const OnnxNode* consumer : ConsumersOf(value)) {
+      if (consumer->op == "Add" && consumer->inputs.size() == 2) {
+        for (const std::string& name : consumer->inputs) {
+          std::optional<OnnxConstant> added = Get(name);
+          if (added && added->values.size() == count) {
+            added->values = Reshaped(added->values, Shape{count});
+            return added;
+          }
+        }
+      }
+      if (kKeeping.contains(consumer->op) && consumer->inputs[0] == value &&
+          !consumer->outputs.empty()) {
+        next = consumer;
+      }
+    }
+    if (next == nullptr) {
+      return std::nullopt;
+    }
+    value = next->outputs[0];
+  }
+  return std::nullopt;
 }
 
 std::optional<OnnxConstant> OnnxConstants::Get(const std::string& name, int depth) const {

@@ -28,6 +28,10 @@ class OnnxConstants {
   /// where the tensor cannot be read.
   std::optional<OnnxConstant> Get(const std::string& name) const;
 
+  /// The constant of `count` values that an Add behind this node adds to its output, quantised or
+  /// cast between them or not: the bias of whatever the node computes.
+  std::optional<OnnxConstant> AddedBehind(const OnnxNode& node, int64_t count) const;
+
   /// The node that makes this value, or null.
   const OnnxNode* ProducerOf(const std::string& name) const;
   /// The nodes that take this value, in their order.

@@ -28,8 +28,12 @@ std::string ModuleOf(std::string_view tensor, std::string_view ending) {
   return std::string(tensor);
 }
 
+bool SameValues(const Tensor<float>& a, const Tensor<float>& b) {
+  return std::equal(a.data(), a.data() + a.size(), b.data(), b.data() + b.size());
+}
+
 bool Same(const Tensor<float>& a, const Tensor<float>& b) {
-  return a.shape() == b.shape() && std::equal(a.data(), a.data() + a.size(), b.data());
+  return a.shape() == b.shape() && SameValues(a, b);
 }
 
 bool Same(const OnnxLinear& a, const OnnxLinear& b) {
@@ -83,23 +87,21 @@ class Finder {
     if (SeenBefore(node)) {
       return;
     }
-    static const std::set<std::string_view> kOtherWeights = {"QLinearConv",
-                                                             "ConvInteger",
-                                                             "QLinearMatMul",
+    static const std::set<std::string_view> kOtherWeights = {"ConvInteger",
                                                              "MatMulInteger",
                                                              "ConvTranspose",
                                                              "com.microsoft.FusedConv",
                                                              "com.microsoft.FusedMatMul",
                                                              "com.microsoft.FusedGemm",
-                                                             "com.microsoft.nchwc.Conv",
-                                                             "com.microsoft.QGemm"};
+                                                             "com.microsoft.nchwc.Conv"};
     if (node.outputs.empty()) {
       return;
     }
     if (kOtherWeights.contains(node.op)) {
       node.message.Fail(0, "the model has a " + node.op +
-                               ", which is not read: expected Conv, Gemm and MatMul, quantised "
-                               "ones between QuantizeLinear and DequantizeLinear");
+                               ", which is not read: expected Conv, Gemm and MatMul, plain or "
+                               "quantised statically; convert the model as it was exported, before "
+                               "anything optimised or quantised it");
     }
     if (node.op == "Conv") {
       VisitConvolution(node);
@@ -111,6 +113,8 @@ class Finder {
       VisitBatchNorm(node);
     } else if (node.op == "Add") {
       VisitAdd(node);
+    } else if (node.op == "Mul" || node.op == "Div" || node.op == "Sub") {
+      VisitProduct(node);
     } else {
       PassThrough(node);
     }
@@ -165,21 +169,7 @@ class Finder {
       if (side == 1) {
         weight->values = Transposed(weight->values);
       }
-      // An Add of a vector behind it is its bias.
-      std::optional<OnnxConstant> bias;
-      for (const OnnxNode* consumer : constants_.ConsumersOf(node.outputs[0])) {
-        if (consumer->op != "Add" || consumer->inputs.size() != 2) {
-          continue;
-        }
-        for (const std::string& name : consumer->inputs) {
-          std::optional<OnnxConstant> other = constants_.Get(name);
-          if (other && other->values.shape() == nn::Shape{weight->values.extent(0)}) {
-            bias = std::move(other);
-          }
-        }
-      }
-      const bool has_bias = bias.has_value();
-      Add(node, 1 - side, *std::move(weight), std::move(bias), has_bias);
+      Add(node, 1 - side, *std::move(weight), std::nullopt, false);
       return;
     }
   }
@@ -188,6 +178,9 @@ class Finder {
            std::optional<OnnxConstant> bias, bool has_bias) {
     if (has_bias && !bias) {
       node.message.Fail(0, "the bias of " + Quoted(node.name) + " is no constant");
+    }
+    if (!has_bias) {
+      bias = constants_.AddedBehind(node, weight.values.shape()[0]);
     }
     OnnxLinear linear{.name = ModuleOf(weight.root, ".weight"),
                       .weight = std::move(weight.values),
@@ -245,15 +238,43 @@ class Finder {
     origins_[node.outputs[0]] = origin;
   }
 
-  // The sum of a matrix product and its bias goes on being that product; other sums are new.
+  // The sum of a linear map and its bias goes on being that map; other sums are new.
   void VisitAdd(const OnnxNode& node) {
-    if (node.inputs.size() == 2) {
-      for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-        if (OriginOf(node, side).linear >= 0 && constants_.Get(node.inputs[1 - side])) {
-          origins_[node.outputs[0]] = OriginOf(node, side);
+    if (node.inputs.size() != 2 || node.outputs.empty()) {
+      return;
+    }
+    for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
+      const Origin origin = OriginOf(node, side);
+      if (origin.linear < 0) {
+        continue;
+      }
+      if (const std::optional<OnnxConstant> added = constants_.Get(node.inputs[1 - side])) {
+        const auto& bias = linears_[static_cast<std::size_t>(origin.linear)].bias;
+        if (!bias || !SameValues(*bias, added->values)) {
+          RefuseConstants(node);
+        }
+        origins_[node.outputs[0]] = origin;
+      }
+    }
+  }
+
+  // One factor may be the scale of attention's scores; a factor a channel would be lost.
+  void VisitProduct(const OnnxNode& node) const {
+    for (std::size_t i = 0; i < node.inputs.size() && node.inputs.size() == 2; ++i) {
+      if (OriginOf(node, i).linear >= 0) {
+        const std::optional<OnnxConstant> factor = constants_.Get(node.inputs[1 - i]);
+        if (factor && factor->values.size() > 1) {
+          RefuseConstants(node);
         }
       }
     }
+  }
+
+  [[noreturn]] static void RefuseConstants(const OnnxNode& node) {
+    node.message.Fail(0, "the " + node.op + " " + Quoted(node.name) +
+                             " puts constants behind a layer that are neither its bias nor a batch "
+                             "norm: convert the model as it was exported, before anything "
+                             "optimised it");
   }
 
   void PassThrough(const OnnxNode& node) {

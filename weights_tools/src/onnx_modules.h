@@ -32,7 +32,7 @@ struct OnnxLinear {
 
 /// The linear maps of the graph in the order of their first use. Conv, Gemm, and MatMul with or
 /// without an Add. Throws Error for convolutions that do not keep the size of their input, for
-/// operators of other kinds with weights (QLinearConv, ...), and for batch norms that belong to
+/// operators of other kinds with weights (ConvInteger, ...), and for batch norms that belong to
 /// none.
 std::vector<OnnxLinear> FindLinears(const OnnxModel& model, const OnnxConstants& constants);
 

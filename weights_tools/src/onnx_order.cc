@@ -113,6 +113,16 @@ bool NameSuperGlue(const std::vector<OnnxLinear>& linears, nn::Weights& weights)
     if (!HasShape(linears[i], part == 4 ? 2 * size : size, part < 4 ? size : 2 * size)) {
       return false;
     }
+    // Convolutions run over [channels x points], as the published network does; products of
+    // matrices over [points x channels], as Hugging Face's, whose channels are in another order.
+    if (linears[i].node->op != "Conv") {
+      linears[i].node->message.Fail(
+          0,
+          "this SuperGlue's layers have lost their names and are no convolutions, so that nothing "
+          "tells the order of the channels of its attention heads: convert the .safetensors or "
+          ".pth "
+          "that it was exported from");
+    }
     Put(linears[i], {layer + kNames[part], layer + "mlp.1"}, weights);
   }
   Put(linears.back(), {"final_proj", ""}, weights);

@@ -37,7 +37,8 @@ struct SuperGlueArchitecture {
   int64_t descriptor_size = 0;
   /// Layers of the graph network, self and cross attention in turns.
   int layers = 0;
-  /// Attention heads. No tensor tells their number: as the metadata say, or else 4, as published.
+  /// Attention heads. No tensor tells their number: as the metadata say, or else 4, as published
+  /// ("heads_assumed" in the metadata of a converted file).
   int64_t heads = kPublishedHeads;
   bool heads_assumed = true;
 };

@@ -19,7 +19,9 @@ struct ConvertOptions {
   std::optional<std::string> licence;
   /// Anything else a user should know.
   std::optional<std::string> note;
-  /// Attention heads of a SuperGlue, which no tensor tells; else the input's metadata, else 4.
+  /// Attention heads of a SuperGlue, which no tensor tells; else the input's metadata or, for
+  /// Hugging Face's names, the config.json beside it, else 4 as published. Two that differ are an
+  /// Error.
   std::optional<int64_t> heads;
   /// "superpoint" or "superglue": the one that is wanted of a file that holds both.
   std::optional<std::string> network;
