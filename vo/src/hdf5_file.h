@@ -66,6 +66,7 @@ class H5OutputFile {
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const double* values);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const int32_t* values);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const int64_t* values);
+  void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const uint8_t* values);
   /// Texts by name, as attributes of a group that is there ("/": the file).
   void WriteTexts(const std::string& group, const std::map<std::string, std::string>& texts);
   void Finish();

@@ -122,6 +122,11 @@ void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>&
 }
 
 void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>& shape,
+                         const uint8_t* values) {
+  Write(dataset, shape, H5T_STD_U8LE, H5T_NATIVE_UINT8, values);
+}
+
+void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>& shape,
                          hid_t file_type, hid_t memory_type, const void* values) {
   const H5Session session;
   CheckOpen();

@@ -57,7 +57,7 @@ Flight PlanFlight(const SimulationOptions& options) {
   };
   flight.duration_s = options.duration_s.value_or(kDefaultS);
   flight.start_ns = kStartNs + std::llround(start * 1e9);
-  flight.side_margin = 2.6;
+  flight.side_margin = SideMargin(options.path);
   flight.description = "path " + options.path;
   return flight;
 }

@@ -1,11 +1,14 @@
 #include "simulation_partial_directory.h"
 
 #include <fcntl.h>
+#include <fnmatch.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <system_error>
+#include <vector>
 
 #include "gluevo/nn/error.h"
 
@@ -59,14 +62,18 @@ void PartialDirectory::Lock() {
 }
 
 void PartialDirectory::RemoveLeftovers(const std::string& content) const {
-  for (const fs::directory_entry& entry : fs::directory_iterator(part_)) {
-    if (entry.path().filename() != content) {
-      throw Error(part_.string() + ": is in the way, and not what an earlier run left");
-    }
+  const auto is_content = [&](const fs::path& path) {
+    return ::fnmatch(content.c_str(), path.filename().c_str(), 0) == 0;
+  };
+  const std::vector<fs::path> entries(fs::directory_iterator(part_), {});
+  if (!std::all_of(entries.begin(), entries.end(), is_content)) {
+    throw Error(part_.string() + ": is in the way, and not what an earlier run left");
   }
-  std::error_code error;
-  fs::remove_all(part_ / content, error);
-  if (error) throw Error(part_.string() + ": cannot be emptied: " + error.message());
+  for (const fs::path& entry : entries) {
+    std::error_code error;
+    fs::remove_all(entry, error);
+    if (error) throw Error(part_.string() + ": cannot be emptied: " + error.message());
+  }
 }
 
 fs::path PartialDirectory::Sub(const std::string& name) const {

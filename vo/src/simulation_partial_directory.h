@@ -11,12 +11,14 @@ namespace gluevo::vo {
 class PartialDirectory {
  public:
   /// Throws Error where the directory exists, is being filled, or cannot be made, and where
-  /// "DIRECTORY.part" holds anything but `content`.
+  /// "DIRECTORY.part" holds anything but files or folders called `content` (a shell's pattern).
   PartialDirectory(const std::filesystem::path& directory, const std::string& content);
   ~PartialDirectory();
   PartialDirectory(const PartialDirectory&) = delete;
   PartialDirectory& operator=(const PartialDirectory&) = delete;
 
+  /// Where the files go.
+  const std::filesystem::path& path() const { return part_; }
   /// A folder below, made with its parents.
   std::filesystem::path Sub(const std::string& name) const;
   void Finish();

@@ -14,6 +14,8 @@ using SimulationPath = std::function<Rigid3(double)>;
 
 /// Throws Error listing the known names for an unknown one.
 SimulationPath MakeSimulationPath(const std::string& name);
+/// Metres from the named path's box to the walls of a room that suits it.
+double SideMargin(const std::string& name);
 
 /// What an ideal inertial unit on the path would feel.
 struct Motion {

@@ -44,6 +44,36 @@ class Light {
   std::vector<Eigen::Vector3d> lamps_;
 };
 
+/// Light on a face, kept every tenth of a metre: it changes slowly.
+class LightMap {
+ public:
+  LightMap(double width, double height, const Pattern& light)
+      : columns_(static_cast<int>(width / kStep) + 2), rows_(static_cast<int>(height / kStep) + 2) {
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        values_.push_back(static_cast<float>(light(column * kStep, row * kStep)));
+      }
+    }
+  }
+
+  double At(double u, double v) const {
+    const double x = u * (1.0 / kStep);
+    const double y = v * (1.0 / kStep);
+    const int column = std::min(static_cast<int>(x), columns_ - 2);
+    const int row = std::min(static_cast<int>(y), rows_ - 2);
+    const float* const value = &values_[static_cast<std::size_t>(row) * columns_ + column];
+    const double top = value[0] + (value[1] - value[0]) * (x - column);
+    const double bottom = value[columns_] + (value[columns_ + 1] - value[columns_]) * (x - column);
+    return top + (bottom - top) * (y - row);
+  }
+
+ private:
+  static constexpr double kStep = 0.1;
+  int columns_;
+  int rows_;
+  std::vector<float> values_;
+};
+
 /// What covers a face of width x height metres.
 using Cover = std::function<Pattern(int face, double width, double height)>;
 
@@ -73,12 +103,13 @@ void Bake(SimulatedBox* box, bool inward, const Cover& cover, const Light& light
     const double width = 2.0 * box->half_size[u_axis];
     const double height = 2.0 * box->half_size[v_axis];
     const Pattern pattern = cover(face, width, height);
-    const Pattern lit = [&](double u, double v) {
+    const LightMap light_map(width, height, [&](double u, double v) {
       Eigen::Vector3d point = corner;
       point[u_axis] += u;
       point[v_axis] += v;
-      return pattern(u, v) * light.At(box->WorldFromBox(point), normal);
-    };
+      return light.At(box->WorldFromBox(point), normal);
+    });
+    const Pattern lit = [&](double u, double v) { return pattern(u, v) * light_map.At(u, v); };
     box->faces[face] = Texture(width, height, texel_m, lit, threads);
   }
 }
@@ -88,24 +119,57 @@ Pattern RoomFace(int face, double width, double height, uint64_t seed) {
   const auto posters = [&](double each_m2) {
     return std::clamp(static_cast<int>(width * height / each_m2), 4, 80);
   };
-  switch (face) {
+  if (face == 4) return Tiles(0.4, own);
+  if (face == 5) return CeilingPanels(own);
+  // The four walls have different covers, dealt by the seed; in one room of three, one of them is
+  // papered with a pattern that repeats.
+  const int deal = face + static_cast<int>(Hash(seed, 101) % 4);
+  if (Hash(seed, 102) % 3 == 0 && deal % 4 == 3) {
+    const double period = 0.4 + 0.4 * Unit(Hash(seed, 103));
+    return WithPosters(Mirrored(Poster(period, period, own), period, period), width, height,
+                       posters(4.0), own);
+  }
+  switch (deal % 4) {
     case 0:
       return WithPosters(Bricks(own), width, height, posters(2.5), own);
     case 1:
       return WithPosters(Plaster(own), width, height, posters(1.8), own);
     case 2:
       return WithPosters(Planks(own), width, height, posters(1.8), own);
-    case 3:
-      return WithPosters(Blotches(0.5, own), width, height, posters(1.5), own);
-    case 4:
-      return Tiles(0.4, own);
     default:
-      return CeilingPanels(own);
+      return WithPosters(Blotches(0.5, own), width, height, posters(1.5), own);
   }
 }
 
+Pattern AnyFace(double width, double height, uint64_t seed) {
+  RandomStream random(Hash(seed, 1));
+  const double size = random.Uniform(0.1, 0.6);
+  const auto background = [&]() -> Pattern {
+    switch (random.Index(8)) {
+      case 0:
+        return Bricks(seed);
+      case 1:
+        return Plaster(seed);
+      case 2:
+        return Planks(seed);
+      case 3:
+        return Blotches(size, seed);
+      case 4:
+        return Tiles(size, seed);
+      case 5:
+        return CeilingPanels(seed);
+      case 6:
+        return Mirrored(Poster(size + 0.2, size + 0.2, seed), size + 0.2, size + 0.2);
+      default:
+        return Poster(width, height, seed);
+    }
+  };
+  const int posters = static_cast<int>(random.Uniform(0.0, 0.8) * width * height);
+  return WithPosters(background(), width, height, posters, seed);
+}
+
 Pattern CrateFace(double width, double height, uint64_t seed) {
-  switch (seed % 6) {
+  switch (seed % 7) {
     case 0:
       return WithPosters(Planks(seed), width, height, 3, seed);
     case 1:
@@ -114,6 +178,8 @@ Pattern CrateFace(double width, double height, uint64_t seed) {
       return Bricks(seed);
     case 3:
       return Tiles(0.13, seed);
+    case 4:
+      return Mirrored(Poster(0.3, 0.3, seed), 0.3, 0.3);
     default:
       return Poster(width, height, seed);
   }
@@ -184,23 +250,25 @@ RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, double side_margin
 }
 
 SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
-                        const std::vector<Eigen::Vector3d>& keep_clear, double texel_m,
+                        const std::vector<Eigen::Vector3d>& keep_clear, const RoomStyle& style,
                         int threads) {
   const Eigen::Vector3d size = plan.high - plan.low;
   const double walls = 2.0 * (size.x() * size.y() + (size.x() + size.y()) * size.z());
   // A hall as large as a stadium gets coarser texels instead of more memory than machines have.
   constexpr double kMostTexels = 1.5e8;
-  const double room_texel_m = std::max(texel_m, std::sqrt(walls / kMostTexels));
+  const double room_texel_m = std::max(style.texel_m, std::sqrt(walls / kMostTexels));
   const Light light(plan);
   SimulatedWorld world;
   world.room = MakeBox(0.5 * (plan.low + plan.high), 0.5 * size, 0.0);
   Bake(
       &world.room, true,
-      [&](int face, double width, double height) { return RoomFace(face, width, height, seed); },
+      [&](int face, double width, double height) {
+        return style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
+                               : RoomFace(face, width, height, seed);
+      },
       light, plan.low.z(), room_texel_m, threads);
   RandomStream random(Hash(seed, 1));
-  constexpr double kFloorEach = 9.0;  // Square metres of floor a box.
-  const int count = std::clamp(static_cast<int>(size.x() * size.y() / kFloorEach), 4, 100);
+  const int count = std::clamp(static_cast<int>(size.x() * size.y() / style.floor_per_box), 4, 100);
   for (int i = 0; i < count; ++i) {
     const Kind kind = kFurniture[static_cast<std::size_t>(i) % kFurniture.size()];
     // A draw in a thousand fits in the worst of rooms; one that never fits is left out.
@@ -215,7 +283,7 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
             return panel ? PanelFace(width, height, Hash(own, face))
                          : CrateFace(width, height, Hash(own, face));
           },
-          light, plan.low.z(), texel_m, threads);
+          light, plan.low.z(), style.box_texel_m, threads);
       world.boxes.push_back(std::move(box));
       break;
     }

@@ -11,6 +11,28 @@
 
 namespace gluevo::vo {
 
+/// What a camera makes of the light that falls on it.
+struct ImageOptions {
+  /// Standard deviation of the sensor noise at full white, gray levels; it falls with the square
+  /// root of the brightness (shot noise) to a third in the dark. 0 for none.
+  double noise = 2.0;
+  /// Exposures wander smoothly over seconds by up to this many stops (factors of two) either way,
+  /// in both cameras alike.
+  double exposure_change = 0.0;
+  /// Share of the light that is lost in the corners, growing with the square of the distance from
+  /// the centre.
+  double vignetting = 0.0;
+  /// Exposure time, milliseconds, centred on the image's time stamp: what moves meanwhile is
+  /// blurred. 0 for sharp images.
+  double motion_blur_ms = 0.0;
+  /// The room's light: 1 is bright, 0.1 dusk. The camera makes up the square root of what is
+  /// missing by its gain, which amplifies the noise by as much.
+  double light = 1.0;
+
+  /// Throws Error naming the option.
+  void Validate() const;
+};
+
 struct SimulationOptions {
   /// Name of the path that the body flies, one of SimulationPaths().
   std::string path = "hall_loop";
@@ -31,9 +53,16 @@ struct SimulationOptions {
   /// Size of the images in pixels; the cameras' focal lengths follow the width.
   int width = 752;
   int height = 480;
-  /// Standard deviation of the sensor noise at full white, gray levels; it falls with the square
-  /// root of the brightness (shot noise) to a third in the dark. 0 for none.
-  double noise = 2.0;
+  ImageOptions image;
+  /// Writes cam0/depth and cam1/depth: TIMESTAMP.tiff, 32-bit float, metres along the optical axis
+  /// at each pixel's centre.
+  bool depth = false;
+  /// Writes correspondences.h5 beside cam0: a group for each left image, named by its time stamp,
+  /// with rows for the pixels of a grid (every 8th in x and y): `pixel` (N x 2, x y), `point` (N x
+  /// 3, in the world, metres), `right` (N x 2, where the right image shows the point) and `next`
+  /// (N x 2, where the next left image does), in pixels, -1 -1 where it is outside the image or
+  /// hidden.
+  bool correspondences = false;
   /// 0: as many as the machine has. The files are the same bytes for any number.
   int threads = 0;
 
