@@ -54,6 +54,12 @@ void AddFrontEndOptions(CLI::App& command, FrontEndArguments& arguments) {
       ->capture_default_str()
       ->group(tuning);
   command
+      .add_option("--min-confirmed-share", arguments.learned.min_confirmed_share,
+                  "With --refine lk, matches that optical flow does not confirm are dropped where "
+                  "it confirms this share")
+      ->capture_default_str()
+      ->group(tuning);
+  command
       .add_option("--max-ratio", arguments.stereo.max_ratio,
                   "Of distances to nearest and second nearest descriptor, method superpoint")
       ->capture_default_str()

@@ -96,7 +96,7 @@ TEST_F(RunTest, WritesAPoseForEveryFrameAndTheSameForAnyNumberOfThreads) {
 TEST_F(RunTest, AReplayEqualsItsRun) {
   const fs::path root = MakeKitti();
   const std::string open = (fs::path(GLUEVO_SOURCE_DIR) / "nn" / "open_weights").string();
-  for (const std::string method : {"klt", "superglue"}) {
+  for (const std::string method : {"klt", "superpoint", "superglue"}) {
     SCOPED_TRACE(method);
     const std::string matches = Path(method + ".h5");
     const Outcome run =

@@ -70,6 +70,28 @@ TEST(LearnedFrontEndFlowTest, WhereFlowSeesSomethingElseTheMatchCounts) {
   EXPECT_EQ(Only(frontend->Track(frame)).left_pixel, Eigen::Vector2d(40, 24));
 }
 
+TEST(LearnedFrontEndFlowTest, WhatFlowDoesNotConfirmIsDroppedWhereItConfirmsMost) {
+  for (const double share : {0.4, 0.6}) {
+    SCOPED_TRACE(share);
+    // 1 moves as the pattern does, 2 jumps; in both left images and from left to right.
+    const auto frontend =
+        FrontEndWith({Named({{1, 30, 24}, {2, 20, 14}}), Named({{1, 27, 24}, {2, 5, 14}}),
+                      Named({{1, 31, 24}, {2, 40, 34}}), Named({{1, 28, 24}, {2, 25, 34}})},
+                     SmallWindows({.min_confirmed_share = share}));
+    const TrackedFrame first = frontend->Track(Frame(1, 0, 0, 3));
+    const TrackedFrame second = frontend->Track(Frame(2, 1, 0, 3));
+    ASSERT_EQ(first.observations.size(), 2U);
+    ASSERT_EQ(second.observations.size(), 2U);
+    EXPECT_EQ(second.observations[0].track_id, first.observations[0].track_id);
+    EXPECT_EQ(second.observations[1].left_pixel, Eigen::Vector2d(40, 34));
+    const bool kept = share > 0.5;
+    EXPECT_EQ(second.observations[1].track_id == first.observations[1].track_id, kept);
+    EXPECT_EQ(second.observations[1].tracking_confidence > 0.0F, kept);
+    EXPECT_EQ(second.observations[1].has_right, kept);
+    EXPECT_EQ(first.observations[1].has_right, kept);
+  }
+}
+
 TEST(LearnedFrontEndFlowTest, TheLastKeyframeGivesLostTracksBack) {
   for (const bool rematch : {false, true}) {
     SCOPED_TRACE(rematch);

@@ -53,6 +53,7 @@ void LearnedFrontEndOptions::Validate() const {
   refinement.Validate("refinement");
   following.Validate("following");
   CheckPositive(max_refinement_px, "max_refinement_px");
+  CheckWithin(min_confirmed_share, 0.0, 1.0, "min_confirmed_share");
   CheckAtLeast(recovery_keyframes, 0, "recovery_keyframes");
   CheckAtLeast(network_every, 1, "network_every");
   CheckWithin(min_followed_share, 0.0, 1.0, "min_followed_share");
@@ -330,16 +331,30 @@ void LearnedFrontEnd::RefineLeft(const View& from, const std::vector<Match>& car
                             (old.left - PixelOf(from.features, match.from)));
     batch.keypoints.push_back(match.to);
   }
+  std::vector<int> refused;
   for (const Batch& batch : batches) {
     const Flow flow = FollowBothWays(*batch.pyramid, pyramids_[0], batch.pixels, batch.guesses,
                                      options_.refinement);
     for (std::size_t i = 0; i < batch.keypoints.size(); ++i) {
+      TrackedPoint& track = tracks_[batch.keypoints[i]];
       if (flow.found[i] != 0 &&
           IsWithin(flow.pixels[i], batch.guesses[i], options_.max_refinement_px)) {
-        tracks_[batch.keypoints[i]].left = flow.pixels[i];
+        track.left = flow.pixels[i];
+      } else {
+        refused.push_back(batch.keypoints[i]);
       }
     }
   }
+  if (FlowJudges(refused.size(), carried.size())) {
+    for (const int keypoint : refused) {
+      tracks_[keypoint] = {.left = tracks_[keypoint].left};
+    }
+  }
+}
+
+bool LearnedFrontEnd::FlowJudges(std::size_t refused, std::size_t matches) const {
+  return static_cast<double>(matches - refused) >=
+         options_.min_confirmed_share * static_cast<double>(matches);
 }
 
 void LearnedFrontEnd::RematchKeyframe() {
@@ -377,11 +392,20 @@ void LearnedFrontEnd::AddRightViews() {
   }
   const Flow flow =
       FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
+  std::vector<int> refused;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
     TrackedPoint& track = tracks_[keypoints[i]];
     if (flow.found[i] != 0 && IsWithin(flow.pixels[i], guesses[i], options_.max_refinement_px) &&
         SeeTheSame(track.left, flow.pixels[i])) {
       track.right = flow.pixels[i];
+    } else {
+      refused.push_back(keypoints[i]);
+    }
+  }
+  if (FlowJudges(refused.size(), keypoints.size())) {
+    for (const int keypoint : refused) {
+      tracks_[keypoint].has_right = false;
+      tracks_[keypoint].stereo_confidence = 0.0F;
     }
   }
   stages_ms_["refine"] += watch.Lap();

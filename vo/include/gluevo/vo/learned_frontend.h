@@ -35,6 +35,10 @@ struct LearnedFrontEndOptions {
   FlowOptions refinement = {.window = 21, .levels = 1, .levels_back = 1};
   /// Where optical flow ends farther than this from the match it does not see the same, pixels.
   double max_refinement_px = 3.0;
+  /// Where optical flow confirms at least this share of an image pair's matches, it is the better
+  /// judge: the others are dropped. Else the images differ too much for it, and the others stay
+  /// where the networks saw them. 0 to 1.
+  double min_confirmed_share = 0.6;
 
   /// A key frame's track that this frame has lost is found again by matching the two. Costs one
   /// more match a frame.
@@ -106,6 +110,7 @@ class LearnedFrontEnd : public FrontEnd {
   void MatchFrom(const Way& way);
   void CarryOn(const View& from, const nn::Matches& matches);
   void RefineLeft(const View& from, const std::vector<Match>& carried);
+  bool FlowJudges(std::size_t refused, std::size_t matches) const;
   void RematchKeyframe();
   void StartTracks();
   void AddRightViews();
