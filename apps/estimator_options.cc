@@ -25,7 +25,7 @@ void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options) {
   command
       .add_option("--right-turn-mrad", options.right_turn_mrad,
                   "How well the calibration knows the right camera's orientation, milliradians; it "
-                  "is refined within that; 0: not at all. Default: 0.2, with klt 0.1")
+                  "is refined within that; 0: not at all. Default: 0.15, with klt 0.1")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
 }
