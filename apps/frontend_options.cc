@@ -60,6 +60,16 @@ void AddFrontEndOptions(CLI::App& command, FrontEndArguments& arguments) {
       ->capture_default_str()
       ->group(tuning);
   command
+      .add_option("--candidate-keypoints", arguments.candidates.max_keypoints,
+                  "At most so many keypoints of the right image, method superpoint")
+      ->capture_default_str()
+      ->group(tuning);
+  command
+      .add_option("--candidate-threshold", arguments.candidates.keypoint_threshold,
+                  "SuperPoint's score above which they are keypoints")
+      ->capture_default_str()
+      ->group(tuning);
+  command
       .add_option("--max-ratio", arguments.stereo.max_ratio,
                   "Of distances to nearest and second nearest descriptor, method superpoint")
       ->capture_default_str()
@@ -98,7 +108,8 @@ std::unique_ptr<vo::FrontEnd> MakeFrontEnd(const FrontEndArguments& arguments,
   if (arguments.method == "klt") {
     return std::make_unique<vo::KltFrontEnd>(rig, arguments.klt);
   }
-  nn::SuperPointOptions superpoint = arguments.superpoint;
+  nn::SuperPointOptions superpoint =
+      arguments.method == "superpoint" ? arguments.candidates : arguments.superpoint;
   superpoint.subpixel = arguments.refine == "subpixel";
   std::unique_ptr<vo::FeatureExtractor> extractor =
       vo::MakeSuperPointExtractor(networks.superpoint, superpoint, pool);

@@ -21,6 +21,8 @@ struct FrontEndArguments {
   NetworkOptions networks;
   nn::SuperPointOptions superpoint = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
   std::string refine = "lk";  ///< none, subpixel or lk.
+  /// Of the right image, method superpoint: tracks need not lie on the strongest keypoints.
+  nn::SuperPointOptions candidates = {.keypoint_threshold = 0.0005F, .max_keypoints = 1500};
   vo::LearnedFrontEndOptions learned;
   vo::SuperPointFrontEndOptions stereo;  ///< Its ratio; the rest is the others'.
   vo::KltOptions klt;
