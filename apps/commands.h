@@ -7,6 +7,7 @@ namespace gluevo::apps {
 
 void AddBenchCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
+void AddExperimentCommand(CLI::App& app);
 void AddExtractCommand(CLI::App& app);
 void AddMatchCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);

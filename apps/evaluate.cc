@@ -1,18 +1,24 @@
 // gluevo evaluate: how far an estimated trajectory is from ground truth.
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "commands.h"
+#include "evaluation_json.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation.h"
+#include "gluevo/vo/segment_evaluation.h"
 #include "gluevo/vo/trajectory.h"
+#include "segments_file.h"
+#include "trajectory_lines.h"
 #include "trajectory_plot.h"
 
 namespace gluevo::apps {
@@ -25,28 +31,30 @@ struct EvaluateArguments {
   fs::path groundtruth;
   fs::path times;
   fs::path plot;
+  fs::path segments;  // metrics.json; empty for the one beside the estimate.
   bool json = false;
   vo::EvaluationOptions options;
 };
 
-void PrintJson(const vo::Evaluation& evaluation) {
-  const auto finite = [](double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-  };
+// What belongs to an estimate whose poses are linked within segments only.
+struct Segments {
+  std::vector<int> of_pose;
+  vo::SegmentedEvaluation evaluation;
+};
+
+void PrintJson(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
+               const vo::EvaluationOptions& options) {
   nlohmann::ordered_json json;
-  json["pairs"] = evaluation.pairs;
-  json["ate_se3_m"] = finite(evaluation.ate_se3_m);
-  json["ate_sim3_m"] = finite(evaluation.ate_sim3_m);
-  json["scale"] = finite(evaluation.scale);
-  json["rpe_translation_percent"] = finite(evaluation.rpe_translation_percent);
-  json["rpe_rotation_deg_per_m"] = finite(evaluation.rpe_rotation_deg_per_m);
-  json["rpe_lengths_m"] = evaluation.rpe_lengths_m;
-  json["right_motions"] = evaluation.right_motions;
-  json["coverage"] = finite(evaluation.coverage);
+  AddEvaluation(evaluation, json);
+  json["rpe_frames"] = options.rpe_frames;
+  if (segments) {
+    AddSegmentedEvaluation(segments->evaluation, json);
+  }
   std::cout << json.dump(2) << '\n';
 }
 
-void PrintTable(const vo::Evaluation& evaluation) {
+void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
+                const vo::EvaluationOptions& options) {
   std::cout << std::fixed << std::setprecision(6)  //
             << "associated poses            " << evaluation.pairs << '\n'
             << "ATE, SE(3) aligned          " << evaluation.ate_se3_m << " m\n"
@@ -54,9 +62,70 @@ void PrintTable(const vo::Evaluation& evaluation) {
             << "scale                       " << evaluation.scale << '\n'
             << "RPE, translation            " << evaluation.rpe_translation_percent << " %\n"
             << "RPE, rotation               " << evaluation.rpe_rotation_deg_per_m << " deg/m\n"
+            << "RPE over " << std::left << std::setw(19)
+            << (std::to_string(options.rpe_frames) +
+                (options.rpe_frames == 1 ? " frame" : " frames"))
+            << evaluation.rpe_frames_translation_m << " m, " << evaluation.rpe_frames_rotation_deg
+            << " deg\n"
             << "right motions               " << evaluation.right_motions << " of "
             << evaluation.pairs - 1 << '\n'
             << "coverage of the time        " << 100.0 * evaluation.coverage << " %\n";
+  if (!segments || segments->evaluation.segments.size() < 2) {
+    return;
+  }
+  const vo::SegmentedEvaluation& segmented = segments->evaluation;
+  std::cout << "segments                    " << segmented.segments.size() << ", "
+            << segmented.breaks << " declared breaks\n"
+            << "ATE within segments         " << segmented.ate_within_segments_m << " m, over "
+            << segmented.pairs_within_segments << " poses\n"
+            << "right within segments       " << segmented.right_motions << " of "
+            << segmented.motions << '\n';
+  for (const vo::SegmentedEvaluation::Segment& segment : segmented.segments) {
+    std::cout << "  segment " << std::setw(18) << segment.number << segment.pairs << " poses";
+    if (segment.evaluation) {
+      std::cout << ", ATE " << segment.evaluation->ate_se3_m << " m";
+    }
+    std::cout << '\n';
+  }
+}
+
+// The segments that the metrics.json named, or beside the estimate, declares.
+std::optional<Segments> FindSegments(const EvaluateArguments& arguments,
+                                     const vo::Trajectory& estimate,
+                                     const vo::Trajectory& groundtruth) {
+  const fs::path beside = arguments.estimate.parent_path() / "metrics.json";
+  const bool is_named = !arguments.segments.empty();
+  if (!is_named && !fs::exists(beside)) {
+    return std::nullopt;
+  }
+  Segments segments;
+  try {
+    segments.of_pose = ReadSegments(is_named ? arguments.segments : beside, estimate);
+  } catch (const Error& error) {
+    if (is_named) {
+      throw;
+    }
+    std::cerr << "gluevo: segments not used: " << error.what() << '\n';
+    return std::nullopt;
+  }
+  segments.evaluation =
+      vo::EvaluateSegments(estimate, segments.of_pose, groundtruth, arguments.options);
+  return segments;
+}
+
+void Plot(const fs::path& path, const vo::Trajectory& estimate, const vo::Trajectory& groundtruth,
+          const vo::Evaluation& evaluation, const std::optional<Segments>& segments) {
+  std::ostringstream caption;
+  caption << std::fixed << std::setprecision(4);
+  if (segments && segments->evaluation.segments.size() > 1) {
+    caption << "ATE within segments " << segments->evaluation.ate_within_segments_m << " m";
+    WriteTrajectoryPlot(
+        path, AlignSegments(estimate, segments->of_pose, groundtruth, segments->evaluation),
+        caption.str());
+    return;
+  }
+  caption << "ATE " << evaluation.ate_se3_m << " m (SE3), " << evaluation.ate_sim3_m << " m (Sim3)";
+  WriteTrajectoryPlot(path, AlignWhole(estimate, groundtruth, evaluation), caption.str());
 }
 
 // Two KITTI files without times are of the same frames, row by row.
@@ -83,13 +152,14 @@ void Evaluate(const EvaluateArguments& arguments) {
                 ": KITTI files without times belong together row by row");
   }
   const vo::Evaluation evaluation = vo::Evaluate(estimate, groundtruth, arguments.options);
+  const std::optional<Segments> segments = FindSegments(arguments, estimate, groundtruth);
   if (!arguments.plot.empty()) {
-    WriteTrajectoryPlot(arguments.plot, estimate, groundtruth, evaluation);
+    Plot(arguments.plot, estimate, groundtruth, evaluation, segments);
   }
   if (arguments.json) {
-    PrintJson(evaluation);
+    PrintJson(evaluation, segments, arguments.options);
   } else {
-    PrintTable(evaluation);
+    PrintTable(evaluation, segments, arguments.options);
   }
 }
 
@@ -110,6 +180,16 @@ void AddEvaluateCommand(CLI::App& app) {
                    "Poses at most this far apart in time belong together, seconds")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  command
+      ->add_option("--delta", arguments->options.rpe_frames,
+                   "Frames of the relative pose error over frames")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--all-pairs", arguments->options.rpe_every_frame,
+                    "Take it from every frame, not from every so many-th");
+  command->add_option("--segments", arguments->segments,
+                      "metrics.json of the run, whose segments are also evaluated each on its own; "
+                      "default: the one beside ESTIMATE");
   command->add_option("--plot", arguments->plot, "SVG file to draw both trajectories to");
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->footer(

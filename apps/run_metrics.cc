@@ -8,8 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "evaluation_json.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
+#include "report/processor.h"
 
 namespace gluevo::apps {
 namespace {
@@ -36,9 +38,6 @@ double PeakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-// JSON has no NaN.
-Json Finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 }  // namespace
 
 void RunMetrics::StartFrame() {
@@ -53,6 +52,8 @@ void RunMetrics::FrameIsRead() { read_ms_ = Milliseconds(Clock::now() - frame_st
 void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frame_end_ = Clock::now();
   frames_.push_back(result);
+  // The record must stay small however long the sequence is.
+  frames_.back().tracked_frame = {};
   stages_ms_["read"].push_back(read_ms_);
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);
@@ -61,6 +62,14 @@ void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
 }
 
 int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }
+
+std::vector<int> RunMetrics::SegmentOfFrames() const {
+  std::vector<int> segments;
+  for (const vo::FrameResult& frame : frames_) {
+    segments.push_back(frame.segment);
+  }
+  return segments;
+}
 
 double RunMetrics::MedianMatches(int vo::FrameResult::*count) const {
   std::vector<double> counts;
@@ -93,6 +102,30 @@ std::vector<std::string> RunMetrics::Warnings() const {
                        " times: poses of different segments are not linked");
   }
   return warnings;
+}
+
+RunReport RunMetrics::Report(const Context& context) const {
+  RunReport report;
+  report.method = context.method;
+  report.frames = frames_;
+  report.warnings = Warnings();
+  report.evaluation = context.evaluation;
+  report.evaluation_failure = context.evaluation_failure;
+  report.duration_s = Duration();
+  report.stages_ms = stages_ms_;
+  report.peak_memory_mb = PeakMemoryMb();
+  report.options.assign(context.options.begin(), context.options.end());
+  for (const auto& [network, record] :
+       {std::pair{"SuperPoint", context.superpoint}, std::pair{"SuperGlue", context.superglue}}) {
+    if (!record.source.empty()) {
+      report.weights.push_back({network, record.source, record.checksum});
+    }
+  }
+  report.version = GLUEVO_VERSION;
+  report.processor = ProcessorName();
+  report.isa = nn::IsaName(nn::ChooseIsa());
+  report.threads = context.threads;
+  return report;
 }
 
 void RunMetrics::Write(const std::filesystem::path& path, const Context& context) const {
@@ -143,15 +176,12 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["method"] = context.method;
   json["options"] = context.options;
   if (context.evaluation) {
-    const vo::Evaluation& evaluation = *context.evaluation;
-    json["ate_se3_m"] = Finite(evaluation.ate_se3_m);
-    json["ate_sim3_m"] = Finite(evaluation.ate_sim3_m);
-    json["scale"] = Finite(evaluation.scale);
-    json["rpe_translation_percent"] = Finite(evaluation.rpe_translation_percent);
-    json["rpe_rotation_deg_per_m"] = Finite(evaluation.rpe_rotation_deg_per_m);
-    json["right_motions"] = evaluation.right_motions;
-    json["coverage"] = Finite(evaluation.coverage);
-  } else if (!context.evaluation_failure.empty()) {
+    AddEvaluation(*context.evaluation, json);
+  }
+  if (context.segmented_evaluation) {
+    AddSegmentedEvaluation(*context.segmented_evaluation, json);
+  }
+  if (!context.evaluation_failure.empty()) {
     json["evaluation_failure"] = context.evaluation_failure;
   }
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << json.dump(2) << '\n'; });

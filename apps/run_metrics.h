@@ -10,7 +10,9 @@
 
 #include "gluevo/vo/evaluation.h"
 #include "gluevo/vo/odometry.h"
+#include "gluevo/vo/segment_evaluation.h"
 #include "network_options.h"
+#include "report/run_report.h"
 
 namespace gluevo::apps {
 
@@ -25,12 +27,18 @@ class RunMetrics {
     WeightsRecord superglue;
     std::map<std::string, std::string> options;
     std::optional<vo::Evaluation> evaluation;
+    std::optional<vo::SegmentedEvaluation> segmented_evaluation;
     std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.
   };
 
   void StartFrame();
   void FrameIsRead();
   void FrameIsDone(const vo::FrameResult& result);
+
+  /// The part of a report that the record knows.
+  RunReport Report(const Context& context) const;
+  /// The segment of each frame.
+  std::vector<int> SegmentOfFrames() const;
 
   /// Throws Error where the file cannot be written.
   void Write(const std::filesystem::path& path, const Context& context) const;

@@ -4,9 +4,11 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "commands.h"
 #include "gluevo/vo/simulation.h"
+#include "gluevo/vo/simulation_pairs.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -15,19 +17,58 @@ namespace {
 struct SimulateArguments {
   std::filesystem::path output;
   vo::SimulationOptions options;
+  int rooms = 0;  ///< Of training pairs; 0: a sequence.
+  std::optional<int> width;
+  std::optional<int> height;
 };
 
 void Simulate(const SimulateArguments& arguments) {
   {
+    const bool pairs = arguments.rooms > 0;
     std::unique_ptr<Progress> progress;
-    vo::Simulate(arguments.options, arguments.output, [&](int done, int total) {
+    const auto show = [&](int done, int total) {
       if (progress == nullptr) {
-        progress = std::make_unique<Progress>("image", static_cast<std::size_t>(total));
+        progress =
+            std::make_unique<Progress>(pairs ? "room" : "image", static_cast<std::size_t>(total));
       }
       progress->Update(static_cast<std::size_t>(done), "rendered");
-    });
+    };
+    vo::SimulationOptions options = arguments.options;
+    if (pairs) {
+      vo::PairOptions pair_options;
+      pair_options.rooms = arguments.rooms;
+      pair_options.seed = options.seed;
+      pair_options.width = arguments.width.value_or(pair_options.width);
+      pair_options.height = arguments.height.value_or(pair_options.height);
+      pair_options.depth = options.depth;
+      pair_options.threads = options.threads;
+      vo::SimulatePairs(pair_options, arguments.output, show);
+    } else {
+      options.width = arguments.width.value_or(options.width);
+      options.height = arguments.height.value_or(options.height);
+      vo::Simulate(options, arguments.output, show);
+    }
   }
   std::cout << "data set: " << arguments.output.string() << '\n';
+}
+
+void AddImageOptions(CLI::App& command, vo::ImageOptions& options) {
+  command.add_option("--noise", options.noise, "Sensor noise at full white, gray levels")
+      ->capture_default_str();
+  command
+      .add_option("--exposure-change", options.exposure_change,
+                  "Let the exposure wander by up to so many stops either way")
+      ->capture_default_str();
+  command.add_option("--vignetting", options.vignetting, "Share of the light lost in the corners")
+      ->capture_default_str();
+  command
+      .add_option("--motion-blur", options.motion_blur_ms,
+                  "Exposure time in milliseconds, in which motion blurs; 0 for sharp images")
+      ->capture_default_str();
+  command
+      .add_option("--light", options.light,
+                  "The room's light: 1 bright, 0.1 dusk (darker and noisier images)")
+      ->capture_default_str();
 }
 
 }  // namespace
@@ -44,17 +85,50 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_option("--path", options.path, "Path to fly")
       ->check(CLI::IsMember(vo::SimulationPaths()))
       ->capture_default_str();
+  command
+      ->add_option("--trajectory", options.trajectory,
+                   "TUM or EuRoC file to fly instead: poses of the IMU, z up")
+      ->excludes("--path");
+  command
+      ->add_option("--start", options.start_s,
+                   "Seconds after the first pose, or after the take-off, at which to begin")
+      ->capture_default_str();
+  command->add_flag("--from-takeoff", options.from_takeoff,
+                    "Leave out what a trajectory has before its take-off");
   command->add_option("--seed", options.seed, "Makes the room and all noise")
       ->capture_default_str();
-  command->add_option("--duration", options.duration_s, "Seconds")->capture_default_str();
+  command->add_option("--duration", options.duration_s,
+                      "Seconds; default: the whole trajectory, 20 of a named path");
   command->add_option("--rate", options.rate_hz, "Stereo pairs a second")->capture_default_str();
-  command->add_option("--width", options.width, "Of the images, pixels")->capture_default_str();
-  command->add_option("--height", options.height, "Of the images, pixels")->capture_default_str();
-  command->add_option("--noise", options.noise, "Sensor noise at full white, gray levels")
-      ->capture_default_str();
+  command->add_option("--width", arguments->width,
+                      "Of the images, pixels; default: 752, of training pairs 376");
+  command->add_option("--height", arguments->height,
+                      "Of the images, pixels; default: 480, of training pairs 240");
+  AddImageOptions(*command, options.image);
+  command->add_flag("--depth", options.depth,
+                    "Also write depth maps: cam0/depth, cam1/depth, float tiff, metres");
+  command->add_flag("--correspondences", options.correspondences,
+                    "Also write correspondences.h5: where the pixels of a grid are seen in the "
+                    "right and in the next image, and their points in the world");
+  CLI::Option* const pairs =
+      command
+          ->add_option("--pairs", arguments->rooms,
+                       "Instead of a sequence, make training data for matchers: so many rooms in 8 "
+                       "views each, with exact correspondences, in HDF5 files (--seed, --width, "
+                       "--height, --depth and --threads apply)")
+          ->check(CLI::Range(1, 1'000'000));
+  for (const char* option :
+       {"--path", "--trajectory", "--start", "--from-takeoff", "--duration", "--rate", "--noise",
+        "--exposure-change", "--vignetting", "--motion-blur", "--light", "--correspondences"}) {
+    pairs->excludes(command->get_option(option));
+  }
   command->add_option("--threads", options.threads, "Threads; default: one for each processor")
       ->check(CLI::Range(1, 1024));
-  command->footer("Example:\n  gluevo simulate -o data/hall --path hall_loop --duration 20");
+  command->footer(
+      "Example:\n  gluevo simulate -o data/hall --path hall_loop --duration 20\n"
+      "  gluevo simulate -o data/flight --trajectory MH_01.txt --from-takeoff "
+      "--duration 60\n"
+      "  gluevo simulate -o data/rooms --pairs 1000");
   command->callback([arguments] { Simulate(*arguments); });
 }
 

@@ -5,7 +5,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 
 mapfile -t packages < cmake/packages.txt
-bash cmake/install_packages.sh "${packages[@]}" clang-format git libbenchmark-dev libgtest-dev
+bash cmake/install_packages.sh "${packages[@]}" chromium clang-format colmap git \
+  libbenchmark-dev libgtest-dev
 cmake --preset dev >/dev/null
 cmake --build --preset dev
 ctest --preset dev --output-on-failure -j "$(nproc)" "$@"

@@ -15,18 +15,38 @@ void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& op
   const int64_t radius = options.nms_radius;
   constexpr int kRounds = 3;
 
-  keypoints.clear();
-  // The most that any image of this size has, so that none asks for memory later.
-  keypoints.reserve(static_cast<std::size_t>(scores.size()));
-  for (int64_t i = 0; i < scores.size(); ++i) {
-    if (scores[i] > options.keypoint_threshold) {
-      keypoints.push_back(i);
+  // Bands of rows collect their candidates, and of these the maxima, each in its own rows of a
+  // buffer: the threads share the work, and the order is the image's.
+  constexpr int64_t kBandRows = 16;
+  const int64_t bands = (height + kBandRows - 1) / kBandRows;
+  Arena& arena = workspace.arena;
+  const TensorView<int32_t> candidates = arena.Allocate<int32_t>({height, width});
+  const TensorView<int32_t> maxima = arena.Allocate<int32_t>({height, width});
+  const TensorView<int64_t> candidate_counts = arena.Allocate<int64_t>({bands});
+  const TensorView<int64_t> maximum_counts = arena.Allocate<int64_t>({bands});
+  const auto for_bands = [&](const auto& f) {
+    workspace.pool.ParallelFor(bands, [&](int64_t band, int /*worker*/) { f(band); });
+  };
+  const auto for_all = [&](TensorView<int32_t> points, TensorView<int64_t> counts, const auto& f) {
+    for (int64_t band = 0; band < bands; ++band) {
+      const int32_t* const of_band = points.data() + band * kBandRows * width;
+      std::for_each(of_band, of_band + counts[band], f);
     }
-  }
+  };
 
   enum State : uint8_t { kOpen = 0, kSuppressed = 1, kMaximum = 2 };
-  const TensorView<uint8_t> state = workspace.arena.Allocate<uint8_t>({height, width});
-  std::fill_n(state.data(), state.size(), kOpen);
+  const TensorView<uint8_t> state = arena.Allocate<uint8_t>({height, width});
+  for_bands([&](int64_t band) {
+    const int64_t begin = band * kBandRows * width;
+    const int64_t end = std::min(scores.size(), begin + kBandRows * width);
+    std::fill(state.data() + begin, state.data() + end, kOpen);
+    int32_t* to = candidates.data() + begin;
+    for (int64_t i = begin; i < end; ++i) {
+      *to = static_cast<int32_t>(i);
+      to += scores[i] > options.keypoint_threshold ? 1 : 0;
+    }
+    candidate_counts[band] = to - (candidates.data() + begin);
+  });
   const auto for_window = [&](int64_t i, const auto& f) {
     const int64_t y = i / width;
     const int64_t x = i % width;
@@ -39,34 +59,35 @@ void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& op
       }
     }
   };
-  const TensorView<int64_t> maxima =
-      workspace.arena.Allocate<int64_t>({static_cast<int64_t>(keypoints.size())});
   for (int round = 0; round < kRounds; ++round) {
-    int64_t count = 0;
-    for (const int64_t i : keypoints) {
-      bool largest = state[i] == kOpen;
-      if (largest) {
-        for_window(i, [&](int64_t j) {
-          largest = scores[j] <= scores[i] || state[j] != kOpen;
-          return largest;
-        });
+    for_bands([&](int64_t band) {
+      const int64_t begin = band * kBandRows * width;
+      int64_t count = 0;
+      for (int64_t k = begin; k < begin + candidate_counts[band]; ++k) {
+        const int32_t i = candidates[k];
+        bool largest = state[i] == kOpen;
+        if (largest) {
+          for_window(i, [&](int64_t j) {
+            largest = scores[j] <= scores[i] || state[j] != kOpen;
+            return largest;
+          });
+        }
+        if (largest) {
+          maxima[begin + count++] = i;
+        }
       }
-      if (largest) {
-        maxima[count++] = i;
-      }
-    }
-    for (int64_t k = 0; k < count; ++k) {
-      for_window(maxima[k], [&](int64_t j) {
+      maximum_counts[band] = count;
+    });
+    for_all(maxima, maximum_counts, [&](int64_t i) {
+      for_window(i, [&](int64_t j) {
         if (state[j] == kOpen) {
           state[j] = kSuppressed;
         }
         return true;
       });
-    }
+    });
     // After the painting: equal neighbours are maxima both.
-    for (int64_t k = 0; k < count; ++k) {
-      state[maxima[k]] = kMaximum;
-    }
+    for_all(maxima, maximum_counts, [&](int64_t i) { state[i] = kMaximum; });
   }
 
   const auto dropped = [&](int64_t i) {
@@ -75,7 +96,14 @@ void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& op
     return state[i] != kMaximum || y < options.border || x < options.border ||
            y >= height - options.border || x >= width - options.border;
   };
-  keypoints.erase(std::remove_if(keypoints.begin(), keypoints.end(), dropped), keypoints.end());
+  keypoints.clear();
+  // The most that any image of this size has, so that none asks for memory later.
+  keypoints.reserve(static_cast<std::size_t>(scores.size()));
+  for_all(candidates, candidate_counts, [&](int64_t i) {
+    if (!dropped(i)) {
+      keypoints.push_back(i);
+    }
+  });
   const auto better = [&](int64_t i, int64_t j) {
     return scores[i] != scores[j] ? scores[i] > scores[j] : i < j;
   };

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -43,12 +44,101 @@ TEST_F(EvaluateTest, PrintsJson) {
   EXPECT_EQ(json["rpe_lengths_m"], (std::vector<double>{1.0, 2.0, 3.0, 4.0, 5.0}));
 }
 
+// Two legs of 3 s and 4 m along x and y with a break between them, after which the estimate stands
+// in a world of its own.
+class SegmentsTest : public EvaluateTest {
+ protected:
+  void SetUp() override {
+    for (int i = 0; i < 4; ++i) {
+      truth_ += std::to_string(i) + " " + std::to_string(i) + " 0 0 0 0 0 1\n";
+      estimate_ += std::to_string(i) + " " + std::to_string(i) + " 0.01 0 0 0 0 1\n";
+    }
+    for (int i = 0; i < 4; ++i) {
+      truth_ += std::to_string(i + 4) + " 4 " + std::to_string(i) + " 0 0 0 0 1\n";
+      // Its second motion is too long by a metre.
+      const double y = i < 2 ? i : i + 1;
+      estimate_ += std::to_string(i + 4) + " 90 " + std::to_string(y) + " 7 0 0 0 1\n";
+    }
+    groundtruth_file_ = Write("g.tum", truth_);
+  }
+  static std::string Metrics(const std::string& second) {
+    return "{\"segments\": [{\"first_frame\": 0, \"last_frame\": 3, \"start_s\": 0.0, \"end_s\": "
+           "3.0}, " +
+           second + "]}";
+  }
+  const std::string whole_ =
+      Metrics("{\"first_frame\": 4, \"last_frame\": 7, \"start_s\": 4.0, \"end_s\": 7.0}");
+  std::string truth_;
+  std::string estimate_;
+  std::string groundtruth_file_;
+};
+
+TEST_F(SegmentsTest, AreEvaluatedEachOnItsOwn) {
+  const std::string estimate = Write("e.tum", estimate_);
+  const std::string inputs = "evaluate " + estimate + " " + groundtruth_file_;
+  EXPECT_FALSE(nlohmann::json::parse(Run(inputs + " --json").out).contains("within_segments"));
+
+  const std::string named = " --segments " + Write("named.json", whole_);
+  const nlohmann::json json = nlohmann::json::parse(Run(inputs + named + " --json").out);
+  EXPECT_GT(json["ate_se3_m"], 10.0);
+  const nlohmann::json within = json["within_segments"];
+  EXPECT_EQ(within["motions"], 6);
+  EXPECT_EQ(within["right_motions"], 5);
+  EXPECT_EQ(within["breaks"], 1);
+  EXPECT_EQ(within["pairs"], 8);
+  ASSERT_EQ(within["segments"].size(), 2U);
+  EXPECT_NEAR(within["segments"][0]["ate_se3_m"], 0.0, 1e-12);
+  // 0, 1, 3, 4 against 0, 1, 2, 3: off by 1/2 each about the means.
+  EXPECT_NEAR(within["segments"][1]["ate_se3_m"], 0.5, 1e-12);
+  EXPECT_NEAR(within["ate_se3_m"], std::sqrt(0.5 * 0.25), 1e-12);
+
+  // The metrics.json beside the estimate.
+  Write("metrics.json", whole_);
+  EXPECT_EQ(nlohmann::json::parse(Run(inputs + " --json").out), json);
+  const Outcome table = Run(inputs + " --plot " + Path("plot.svg"));
+  EXPECT_NE(table.out.find("ATE within segments         0.353553 m, over 8 poses"),
+            std::string::npos)
+      << table.out;
+  EXPECT_NE(table.out.find("2, 1 declared break"), std::string::npos) << table.out;
+  EXPECT_NE(Contents(Path("plot.svg")).find("ATE within segments 0.3536 m"), std::string::npos);
+
+  // Key frames only: the segments of their times.
+  const std::string keyframes =
+      Write("keyframes.tum", estimate_.substr(0, estimate_.rfind('\n', estimate_.size() - 2) + 1));
+  const nlohmann::json of_keyframes =
+      nlohmann::json::parse(Run("evaluate " + keyframes + " " + groundtruth_file_ + " --json").out);
+  EXPECT_EQ(of_keyframes["within_segments"]["segments"][1]["pairs"], 3);
+}
+
+TEST_F(SegmentsTest, OfAnotherRunAreRefusedOrLeftAlone) {
+  const std::string inputs =
+      "evaluate " + Write("e.tum", estimate_) + " " + groundtruth_file_ + " --json";
+  const std::string other =
+      Metrics("{\"first_frame\": 5, \"last_frame\": 6, \"start_s\": 5.0, \"end_s\": 6.0}");
+  for (const std::string& text : {std::string("{"), std::string("{}"), other}) {
+    const Outcome named = Run(inputs + " --segments " + Write("named.json", text));
+    EXPECT_EQ(named.exit_code, 1);
+    EXPECT_EQ(named.out, "");
+    EXPECT_NE(named.error.find("named.json"), std::string::npos) << named.error;
+    Write("metrics.json", text);
+    const Outcome beside = Run(inputs);
+    EXPECT_EQ(beside.exit_code, 0);
+    EXPECT_NE(beside.error.find("metrics.json"), std::string::npos) << beside.error;
+    EXPECT_FALSE(nlohmann::json::parse(beside.out).contains("within_segments"));
+  }
+  EXPECT_EQ(Run(inputs + " --segments " + Path("none.json")).exit_code, 1);
+}
+
 TEST_F(EvaluateTest, PrintsATable) {
   const Outcome outcome =
       Run("evaluate " + Write("e.tum", kEstimateTum) + " " + Write("g.tum", kTruthTum));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_NE(outcome.out.find("1.414214 m"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("0.500000"), std::string::npos) << outcome.out;
+  // Of steps of 2 m the estimate makes 4.
+  EXPECT_NE(outcome.out.find("RPE over 1 frame            2.000000 m, 0.000000 deg"),
+            std::string::npos)
+      << outcome.out;
 }
 
 TEST_F(EvaluateTest, WritesNullForWhatIsUndefined) {
@@ -117,6 +207,7 @@ TEST_F(EvaluateTest, BadUsageIsExitTwo) {
   EXPECT_EQ(Run("evaluate " + good).exit_code, 2);
   EXPECT_EQ(Run("evaluate " + good + " " + good + " --nonsense").exit_code, 2);
   EXPECT_EQ(Run("evaluate " + good + " " + good + " --max-time-difference -1").exit_code, 2);
+  EXPECT_EQ(Run("evaluate " + good + " " + good + " --delta 0").exit_code, 2);
   EXPECT_EQ(Run("unknown").exit_code, 2);
 }
 

@@ -93,6 +93,67 @@ TEST_F(RunTest, WritesAPoseForEveryFrameAndTheSameForAnyNumberOfThreads) {
   }
 }
 
+TEST_F(RunTest, AReplayEqualsItsRun) {
+  const fs::path root = MakeKitti();
+  const std::string open = (fs::path(GLUEVO_SOURCE_DIR) / "nn" / "open_weights").string();
+  for (const std::string method : {"klt", "superpoint", "superglue"}) {
+    SCOPED_TRACE(method);
+    const std::string matches = Path(method + ".h5");
+    const Outcome run =
+        Run("run " + root.string() + " -o " + Path(method) + " --method " + method + " --weights " +
+            open + " --start 1 --count 2 --save-matches " + matches);
+    ASSERT_EQ(run.exit_code, 0) << run.error;
+    // Images that cannot be read show that none is read; absent weights, that none are loaded.
+    const std::string image = Contents(ImagePath(root, 0, 1));
+    std::ofstream(ImagePath(root, 0, 1), std::ios::binary) << "broken";
+    const Outcome replay = Run("run " + root.string() + " -o " + Path(method + "_replay") +
+                               " --weights " + Path("absent") + " --replay " + matches);
+    ASSERT_EQ(replay.exit_code, 0) << replay.error;
+    for (const char* const file : {"/trajectory.tum", "/keyframes.tum"}) {
+      EXPECT_EQ(Contents(Path(method + file)), Contents(Path(method + "_replay" + file)));
+    }
+    const auto metrics = nlohmann::json::parse(Contents(Path(method + "/metrics.json")));
+    const auto replayed = nlohmann::json::parse(Contents(Path(method + "_replay/metrics.json")));
+    EXPECT_EQ(replayed["frames"], 2);
+    EXPECT_EQ(replayed["method"], method);
+    for (const char* const key : {"weights", "matches_per_frame", "keyframes", "segments"}) {
+      EXPECT_EQ(metrics[key], replayed[key]) << key;
+    }
+    std::ofstream(ImagePath(root, 0, 1), std::ios::binary) << image;
+  }
+}
+
+TEST_F(RunTest, RefusesMatchesOfOtherData) {
+  const fs::path root = MakeKitti();
+  const std::string matches = Path("matches.h5");
+  const std::string replay = root.string() + " --replay " + matches;
+  ASSERT_EQ(Run("run " + root.string() + " -o " + Path("run") +
+                " --method klt --count 3 --save-matches " + matches)
+                .exit_code,
+            0);
+  ExpectRefused(replay + " --method superglue", "matches of method");
+  ExpectRefused(replay + " --start 1", "frame 0 is at 0 ns there and at 100000000 ns");
+  ExpectRefused(replay + " --stride 2", "frame 1 is at");
+  ExpectRefused(replay + " --count 4", "3 frames there, 4 in the data set");
+  ExpectRefused(root.string() + " --replay " + Path("absent.h5"), "absent.h5");
+  ExpectRefused(root.string() + " --replay " + (root / "calib.txt").string(), "calib.txt");
+  std::ofstream(root / "calib.txt") << "P0: 100 0 80 0 0 100 60 0 0 0 1 0\n"
+                                       "P1: 100 0 80 -51 0 100 60 0 0 0 1 0\n";
+  ExpectRefused(replay, "calibrated differently");
+  EXPECT_EQ(Run("run " + replay + " -o " + Path("out") + " --save-matches " + matches).exit_code,
+            2);
+}
+
+TEST_F(RunTest, AFailedRunLeavesNoMatches) {
+  const fs::path root = MakeKitti();
+  std::ofstream(ImagePath(root, 0, 3), std::ios::binary) << "broken";
+  fs::create_directories(Path("matches"));
+  ExpectRefused(root.string() + " --method klt --save-matches " + Path("matches/m.h5"),
+                "000003.png");
+  EXPECT_TRUE(fs::is_empty(Path("matches")));
+  ExpectRefused(root.string() + " --method klt --save-matches " + Path("none/m.h5"), "m.h5");
+}
+
 TEST_F(RunTest, WarnsWhereMatchingYieldsNextToNothing) {
   const fs::path root = MakeKitti();
   const Outcome outcome = Run("run " + root.string() + " -o " + Path("out") +
@@ -152,7 +213,8 @@ TEST_F(RunTest, BadUsageExitsWithTwo) {
   EXPECT_EQ(Run("run a -o b --no-such-option").exit_code, 2);
   EXPECT_EQ(Run("run a -o b --method sift").exit_code, 2);
   EXPECT_EQ(Run("").exit_code, 2);
-  for (const std::string command : {"run", "extract", "match", "evaluate", "simulate"}) {
+  for (const std::string command :
+       {"run", "extract", "match", "evaluate", "experiment", "simulate"}) {
     const Outcome help = Run(command + " --help");
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Example"), std::string::npos) << command;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/segment_evaluation.h"
 
 namespace gluevo::vo {
 namespace {
@@ -157,6 +158,85 @@ TEST(EvaluateTest, RelativeErrorsOfAStraightWayAreKnown) {
   EXPECT_EQ(evaluation.rpe_lengths_m, (std::vector<double>{10.0, 20.0, 30.0, 40.0, 50.0}));
   EXPECT_NEAR(evaluation.rpe_translation_percent, 100.0 * translation / starts, 1e-11);
   EXPECT_NEAR(evaluation.rpe_rotation_deg_per_m, rotation / starts * 180.0 / M_PI, 1e-11);
+}
+
+TEST(EvaluateTest, RelativeErrorsOverFramesAreKnown) {
+  // 11 poses a metre apart, estimated with one step of 1.3 m, the fourth, at which it also turns by
+  // 0.1 rad about the direction of travel.
+  const Trajectory groundtruth = StraightWay(11);
+  Trajectory estimate = groundtruth;
+  for (std::size_t i = 4; i < estimate.size(); ++i) {
+    estimate[i].world_from_body.translation.x() += 0.3;
+    estimate[i].world_from_body.rotation =
+        Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
+  }
+  const double angle = 0.1 * 180.0 / M_PI;
+  // Steps, and those of them that go over the fourth: of 1 frame, of 3 frames (0 to 3, 3 to 6, 6 to
+  // 9), and of 3 frames from every frame (from 1, 2 and 3 of 0 to 7).
+  struct Case {
+    EvaluationOptions options;
+    double steps;
+    double wrong;
+  };
+  for (const Case& c : {Case{{.rpe_frames = 1}, 10, 1}, Case{{.rpe_frames = 3}, 3, 1},
+                        Case{{.rpe_frames = 3, .rpe_every_frame = true}, 8, 3}}) {
+    const Evaluation evaluation = Evaluate(estimate, groundtruth, c.options);
+    EXPECT_NEAR(evaluation.rpe_frames_translation_m, 0.3 * std::sqrt(c.wrong / c.steps), 1e-12);
+    EXPECT_NEAR(evaluation.rpe_frames_rotation_deg, angle * std::sqrt(c.wrong / c.steps), 1e-10);
+  }
+  EXPECT_TRUE(
+      std::isnan(Evaluate(estimate, groundtruth, {.rpe_frames = 11}).rpe_frames_translation_m));
+  EXPECT_THROW(Evaluate(estimate, groundtruth, {.rpe_frames = 0}), Error);
+}
+
+TEST(EvaluateSegmentsTest, ComparesPosesOfASegmentOnly) {
+  // Three segments of 5, 2 and 4 poses, each in a world of its own; the third stretched by 1.2
+  // about its means, where its steps of 1 m are off by 0.2 m.
+  const Trajectory groundtruth = StraightWay(11);
+  Trajectory estimate = groundtruth;
+  std::vector<int> segments;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    segments.push_back(i < 5 ? 0 : i < 7 ? 2 : 3);  // Numbers may be left out.
+    Eigen::Vector3d& position = estimate[i].world_from_body.translation;
+    position.x() *= segments.back() == 3 ? 1.2 : 1.0;
+    position.y() += 50.0 * segments.back();
+  }
+  const SegmentedEvaluation result = EvaluateSegments(estimate, segments, groundtruth, {});
+  ASSERT_EQ(result.segments.size(), 3U);
+  EXPECT_EQ(result.segments[1].number, 2);
+  EXPECT_EQ(result.segments[1].pairs, 2U);
+  EXPECT_FALSE(result.segments[1].evaluation.has_value()) << "two poses cannot be aligned";
+  EXPECT_NEAR(result.segments[0].evaluation->ate_se3_m, 0.0, 1e-12);
+  // Offsets from the mean of -1.5, -0.5, 0.5 and 1.5 m, a fifth too long.
+  const double last = 0.2 * std::sqrt(1.25);
+  EXPECT_NEAR(result.segments[2].evaluation->ate_se3_m, last, 1e-12);
+  EXPECT_NEAR(result.segments[2].evaluation->scale, 1.0 / 1.2, 1e-12);
+  EXPECT_NEAR(result.ate_within_segments_m, std::sqrt(4.0 * last * last / 9.0), 1e-12);
+  EXPECT_EQ(result.pairs_within_segments, 9U);
+  EXPECT_EQ(result.motions, 8U);
+  EXPECT_EQ(result.right_motions, 5U);
+  EXPECT_EQ(result.breaks, 2U);
+}
+
+TEST(EvaluateSegmentsTest, OneSegmentIsTheWhole) {
+  const Trajectory groundtruth = FromPositions(RandomPoints(30));
+  Trajectory estimate = FromPositions(RandomPoints(40));
+  estimate.resize(30);
+  estimate[7].world_from_body.translation.x() += 1.0;
+  const Evaluation whole = Evaluate(estimate, groundtruth, {});
+  const SegmentedEvaluation result =
+      EvaluateSegments(estimate, std::vector<int>(30, 4), groundtruth, {});
+  EXPECT_DOUBLE_EQ(result.ate_within_segments_m, whole.ate_se3_m);
+  EXPECT_EQ(result.segments.front().evaluation->rpe_translation_percent,
+            whole.rpe_translation_percent);
+  EXPECT_EQ(result.right_motions, whole.right_motions);
+  EXPECT_EQ(result.breaks, 0U);
+}
+
+TEST(EvaluateSegmentsTest, RefusesNumbersThatDoNotFit) {
+  const Trajectory way = StraightWay(5);
+  EXPECT_THROW(EvaluateSegments(way, {0, 0, 0, 0}, way, {}), Error);
+  EXPECT_THROW(EvaluateSegments(way, {0, 0, 1, 0, 1}, way, {}), Error);
 }
 
 TEST(EvaluateTest, SubPathsFitTheLengthOfTheWay) {
@@ -314,6 +394,47 @@ TEST(EvaluateTest, AgreesWithEvoOnPublishedTrajectories) {
     EXPECT_NEAR(evaluation.ate_sim3_m, golden.ate_sim3_m, 1e-6);
     EXPECT_NEAR(evaluation.scale, golden.scale, 1e-6);
   }
+}
+
+TEST(EvaluateTest, GivesEachPosesErrorAfterBothAlignments) {
+  // A straight way, 1 % too long and with one pose off to the side, in another world.
+  Trajectory groundtruth = StraightWay(21);
+  Trajectory estimate = groundtruth;
+  for (StampedPose& pose : estimate) {
+    pose.world_from_body.translation *= 1.01;
+  }
+  estimate[7].world_from_body.translation.y() += 0.3;
+  for (StampedPose& pose : estimate) {
+    pose.world_from_body = SomeTransform() * pose.world_from_body;
+  }
+  groundtruth.erase(groundtruth.begin() + 3);
+  const Evaluation evaluation = Evaluate(estimate, groundtruth, {});
+  ASSERT_EQ(evaluation.errors.size(), 20U);
+  double sum_se3 = 0.0;
+  double sum_sim3 = 0.0;
+  const PoseError* worst = &evaluation.errors.front();
+  for (const PoseError& error : evaluation.errors) {
+    sum_se3 += error.se3_m * error.se3_m;
+    sum_sim3 += error.sim3_m * error.sim3_m;
+    EXPECT_NEAR((error.se3 - error.groundtruth).norm(), error.se3_m, 1e-12);
+    EXPECT_NEAR((error.sim3 - error.groundtruth).norm(), error.sim3_m, 1e-12);
+    worst = error.sim3_m > worst->sim3_m ? &error : worst;
+  }
+  EXPECT_NEAR(std::sqrt(sum_se3 / 20.0), evaluation.ate_se3_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(sum_sim3 / 20.0), evaluation.ate_sim3_m, 1e-12);
+  EXPECT_EQ(worst->timestamp_ns, 7 * kSecond);
+  // No alignment touches the motions: one step is 1 cm too long, and to the side and back besides.
+  EXPECT_EQ(evaluation.errors[0].motion_m, 0.0);
+  EXPECT_NEAR(evaluation.errors[1].motion_m, 0.01, 1e-9);
+  EXPECT_NEAR(evaluation.errors[3].motion_m, 0.02, 1e-9) << "the motion over the missing pose";
+  EXPECT_NEAR(worst->motion_m, std::hypot(0.01, 0.3), 1e-9);
+  EXPECT_NEAR(worst->motion_deg, 0.0, 1e-6);
+  const Similarity3& sim3 = evaluation.groundtruth_world_from_estimate_world_sim3;
+  EXPECT_EQ(sim3.scale, evaluation.scale);
+  EXPECT_LT((sim3.scale * (sim3.rigid.rotation * estimate[5].world_from_body.translation) +
+             sim3.rigid.translation - evaluation.errors[4].sim3)
+                .norm(),
+            1e-12);
 }
 
 }  // namespace

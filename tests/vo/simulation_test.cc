@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include <sstream>
 
 #include "gluevo/nn/error.h"
+#include "hdf5_file.h"
 #include "simulation_imu.h"
 #include "simulation_path.h"
 #include "temporary_folder.h"
@@ -153,11 +155,126 @@ TEST(SimulationTest, LeavesWhatIsThereAlone) {
   EXPECT_EQ(entries, 2);
 }
 
+TEST(SimulationTest, FliesATrajectoryByItsOwnClock) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "flight.txt";
+  {
+    std::ofstream stream(file);
+    // 3 s at rest, then 1 m/s along x; the head turned by 90 degrees.
+    for (int i = 0; i < 100; ++i) {
+      stream << 1403636580 + i / 10 << '.' << i % 10 << "5 " << 4.0 + 0.1 * std::max(0, i - 30)
+             << " -2 0.5 0.7071068 0 0 0.7071068\n";
+    }
+  }
+  SimulationOptions options = Small();
+  options.trajectory = file;
+  options.from_takeoff = true;
+  options.start_s = 2.0;
+  Simulate(options, folder.path() / "out");
+  const auto states =
+      ReadCsv(folder.path() / "out" / "mav0" / "state_groundtruth_estimate0" / "data.csv");
+  // The last pose at rest is at 0.05 + 3.0 s; 2 s later the body flies.
+  EXPECT_NEAR(states[0][0], 1403636580.05 + 5.0 - 1.5e9, 1e-6);
+  EXPECT_NEAR(states[0][1], 6.0, 1e-3);
+  EXPECT_NEAR(states[0][2], -2.0, 1e-3);
+  EXPECT_NEAR(states[0][3], 0.5, 1e-3);
+  EXPECT_NEAR(states[0][8], 1.0, 1e-2);  // Velocity along x.
+
+  options.duration_s = 5.0;
+  try {
+    Simulate(options, folder.path() / "late");
+    FAIL() << "nothing thrown";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()),
+              file.string() +
+                  ": ends 9.90 s after its first pose, expected more than the start of 5.00 s and "
+                  "the duration of 5.00 s");
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "late.part"));
+}
+
+TEST(SimulationTest, AddsDepthMapsAndCorrespondences) {
+  const TemporaryFolder folder;
+  SimulationOptions options = Small();
+  options.depth = options.correspondences = true;
+  options.image = {3.0, 1.0, 0.3, 15.0, 0.5};
+  options.start_s = 3.0;
+  options.threads = 1;
+  Simulate(options, folder.path() / "one");
+  options.threads = 2;
+  Simulate(options, folder.path() / "two");
+  const auto files = AllFiles(folder.path() / "one");
+  EXPECT_TRUE(files == AllFiles(folder.path() / "two"));
+  EXPECT_EQ(files.size(), 8U + 2U + 4U + 1U + 1U);
+
+  const std::filesystem::path mav = folder.path() / "one" / "mav0";
+  const internal::H5InputFile file(mav / "correspondences.h5");
+  const std::vector<std::string> groups = file.GroupsWith("pixel");
+  ASSERT_EQ(groups.size(), 2U);
+  const StereoRig rig = SimulationRig(160, 100);
+  const SimulationPath path = MakeSimulationPath("hall_loop");
+  int in_right = 0;
+  int in_next = 0;
+  for (std::size_t frame = 0; frame < groups.size(); ++frame) {
+    const auto column = [&](const char* name) {
+      return file.ReadFloats(groups[frame] + "/" + name);
+    };
+    const std::vector<float> pixel = column("pixel");
+    const std::vector<float> point = column("point");
+    const std::vector<float> right = column("right");
+    const std::vector<float> next = column("next");
+    EXPECT_EQ(pixel.size(), 2U * 20 * 12);  // Columns at 4 to 156, rows at 4 to 92.
+    const cv::Mat depth = cv::imread((mav / "cam0" / "depth" / (groups[frame] + ".tiff")).string(),
+                                     cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(depth.type(), CV_32FC1);
+    const double now = 3.0 + static_cast<double>(frame) / 7.0;
+    const auto expect_at = [&](const Eigen::Vector3d& world, double time, int camera,
+                               const float* seen) {
+      const Eigen::Vector3d in_cam = (path(time) * rig.body_from_cam[camera]).Inverse() * world;
+      const Eigen::Vector2d projected = rig.cameras[camera].Project(in_cam);
+      EXPECT_NEAR(projected.x(), seen[0], 0.02);
+      EXPECT_NEAR(projected.y(), seen[1], 0.02);
+      return in_cam.z();
+    };
+    for (std::size_t i = 0; i < pixel.size() / 2; ++i) {
+      const Eigen::Vector3d world(point[3 * i], point[3 * i + 1], point[3 * i + 2]);
+      const double z = expect_at(world, now, 0, &pixel[2 * i]);
+      EXPECT_NEAR(
+          depth.at<float>(static_cast<int>(pixel[2 * i + 1]), static_cast<int>(pixel[2 * i])), z,
+          1e-4);
+      if (right[2 * i] > -0.9F) {
+        expect_at(world, now, 1, &right[2 * i]);
+        ++in_right;
+      }
+      if (next[2 * i] > -0.9F) {
+        expect_at(world, now + 1.0 / 7.0, 0, &next[2 * i]);
+        ++in_next;
+      }
+    }
+    if (frame == 1) {
+      EXPECT_TRUE(std::all_of(next.begin(), next.end(), [](float v) { return v == -1.0F; }));
+    }
+  }
+  EXPECT_GT(in_right, 300);
+  EXPECT_GT(in_next, 120);
+}
+
+TEST(SimulationTest, ReplacesWhatAKilledRunLeft) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "out.part" / "mav0" / "cam7" / "data");
+  Simulate(Small(), folder.path() / "out");
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "mav0" / "cam1" / "data.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out" / "mav0" / "cam7"));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.part"));
+}
+
 TEST(SimulationTest, RefusesOptionsOutOfRange) {
   SimulationOptions options;
   EXPECT_EQ(ErrorOf(options), "");
   options.path = "moon";
-  EXPECT_EQ(ErrorOf(options), "unknown path \"moon\" to simulate, expected one of: hall_loop");
+  EXPECT_EQ(ErrorOf(options),
+            "unknown path \"moon\" to simulate, expected one of: hall_loop, figure_eight, "
+            "corridor, hover, fast_yaw");
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     options = {};
     options.duration_s = bad;
@@ -167,7 +284,13 @@ TEST(SimulationTest, RefusesOptionsOutOfRange) {
     EXPECT_NE(ErrorOf(options).find("rate"), std::string::npos) << bad;
   }
   options = {};
-  options.noise = std::nan("");
+  options.start_s = -1.0;
+  EXPECT_NE(ErrorOf(options).find("start"), std::string::npos);
+  options = {};
+  options.from_takeoff = true;
+  EXPECT_NE(ErrorOf(options).find("take-off"), std::string::npos);
+  options = {};
+  options.image.noise = std::nan("");
   EXPECT_NE(ErrorOf(options).find("noise"), std::string::npos);
   options = {};
   options.height = 0;

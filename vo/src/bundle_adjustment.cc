@@ -71,6 +71,16 @@ bool SlidingWindow::Optimize() {
     problem.SetParameterBlockConstant(turns[1].data());
   }
 
+  if (prior_) {
+    std::vector<double*> blocks;
+    for (const int64_t frame_id : prior_->frame_ids) {
+      blocks.push_back(poses[FrameIndex(frame_id)].data());
+    }
+    blocks.push_back(turns[1].data());
+    problem.AddResidualBlock(new PosePriorFactor(*prior_, rig_.body_from_cam[1].rotation), nullptr,
+                             blocks);
+  }
+
   // The landmarks are eliminated first (Schur complement). Ceres orders blocks by their addresses:
   // in one array they come in the landmarks' order, and sums repeat to the last bit.
   std::vector<Eigen::Vector3d> points;

@@ -4,62 +4,17 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <numbers>
 
 #include "gluevo/nn/error.h"
+#include "pose_association.h"
 
 namespace gluevo::vo {
 namespace {
 
 constexpr std::size_t kFewestPairs = 3;
 constexpr double kSecondsPerNanosecond = 1e-9;
-
-struct Pair {
-  const StampedPose* estimate;
-  const StampedPose* groundtruth;
-};
-
-/// |a - b|, which an int64_t may not hold.
-uint64_t Apart(int64_t a, int64_t b) {
-  const uint64_t difference = static_cast<uint64_t>(a) - static_cast<uint64_t>(b);
-  return a >= b ? difference : uint64_t{0} - difference;
-}
-
-/// The pose nearest in time, the earlier of two equally near; null where none is near enough.
-const StampedPose* Nearest(const Trajectory& trajectory, int64_t timestamp_ns, uint64_t farthest) {
-  const auto after = std::lower_bound(
-      trajectory.begin(), trajectory.end(), timestamp_ns,
-      [](const StampedPose& pose, int64_t time) { return pose.timestamp_ns < time; });
-  const StampedPose* nearest = nullptr;
-  uint64_t smallest = farthest;
-  if (after != trajectory.end() && Apart(after->timestamp_ns, timestamp_ns) <= smallest) {
-    nearest = &*after;
-    smallest = Apart(after->timestamp_ns, timestamp_ns);
-  }
-  if (after != trajectory.begin() &&
-      Apart(std::prev(after)->timestamp_ns, timestamp_ns) <= smallest) {
-    nearest = &*std::prev(after);
-  }
-  return nearest;
-}
-
-std::vector<Pair> Associate(const Trajectory& estimate, const Trajectory& groundtruth,
-                            double max_time_difference_s) {
-  const auto farthest =
-      static_cast<uint64_t>(std::llround(max_time_difference_s / kSecondsPerNanosecond));
-  const bool estimate_is_longer = estimate.size() > groundtruth.size();
-  const Trajectory& shorter = estimate_is_longer ? groundtruth : estimate;
-  const Trajectory& longer = estimate_is_longer ? estimate : groundtruth;
-  std::vector<Pair> pairs;
-  for (const StampedPose& pose : shorter) {
-    if (const StampedPose* nearest = Nearest(longer, pose.timestamp_ns, farthest)) {
-      pairs.push_back(estimate_is_longer ? Pair{nearest, &pose} : Pair{&pose, nearest});
-    }
-  }
-  return pairs;
-}
 
 struct Moments {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -85,43 +40,53 @@ Moments MomentsOf(const std::vector<Eigen::Vector3d>& points) {
   return moments;
 }
 
-double RootMeanSquareDistance(const Similarity3& target_from_source,
-                              const std::vector<Eigen::Vector3d>& source,
-                              const std::vector<Eigen::Vector3d>& target) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    const Eigen::Vector3d aligned =
-        target_from_source.scale * (target_from_source.rigid.rotation * source[i]) +
-        target_from_source.rigid.translation;
-    sum += (aligned - target[i]).squaredNorm();
-  }
-  return std::sqrt(sum / static_cast<double>(source.size()));
+Eigen::Vector3d Align(const Similarity3& target_from_source, const Eigen::Vector3d& source) {
+  return target_from_source.scale * (target_from_source.rigid.rotation * source) +
+         target_from_source.rigid.translation;
 }
 
-void EvaluateAbsolute(const std::vector<Pair>& pairs, Evaluation& evaluation) {
+double RootMeanSquare(const std::vector<PoseError>& errors, double PoseError::*error) {
+  double sum = 0.0;
+  for (const PoseError& pose : errors) {
+    sum += (pose.*error) * (pose.*error);
+  }
+  return std::sqrt(sum / static_cast<double>(errors.size()));
+}
+
+void EvaluateAbsolute(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
   std::vector<Eigen::Vector3d> source;
   std::vector<Eigen::Vector3d> target;
-  for (const Pair& pair : pairs) {
+  for (const PosePair& pair : pairs) {
     source.push_back(pair.estimate->world_from_body.translation);
     target.push_back(pair.groundtruth->world_from_body.translation);
   }
   const Moments source_moments = MomentsOf(source);
   const Moments target_moments = MomentsOf(target);
+  Similarity3 se3;
+  Similarity3 sim3;
   if (source_moments.InOnePlace() || target_moments.InOnePlace()) {
-    Similarity3 shift;
-    shift.rigid.translation = target_moments.mean - source_moments.mean;
-    evaluation.ate_se3_m = RootMeanSquareDistance(shift, source, target);
-    evaluation.ate_sim3_m = evaluation.ate_se3_m;
+    se3.rigid.translation = target_moments.mean - source_moments.mean;
+    sim3 = se3;
     evaluation.scale = std::numeric_limits<double>::quiet_NaN();
-    evaluation.groundtruth_world_from_estimate_world = shift.rigid;
-    return;
+  } else {
+    se3 = AlignUmeyama(source, target, /*with_scale=*/false);
+    sim3 = AlignUmeyama(source, target, /*with_scale=*/true);
+    evaluation.scale = sim3.scale;
   }
-  const Similarity3 se3 = AlignUmeyama(source, target, /*with_scale=*/false);
-  const Similarity3 sim3 = AlignUmeyama(source, target, /*with_scale=*/true);
-  evaluation.ate_se3_m = RootMeanSquareDistance(se3, source, target);
-  evaluation.ate_sim3_m = RootMeanSquareDistance(sim3, source, target);
-  evaluation.scale = sim3.scale;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    PoseError error;
+    error.timestamp_ns = pairs[i].estimate->timestamp_ns;
+    error.groundtruth = target[i];
+    error.se3 = Align(se3, source[i]);
+    error.sim3 = Align(sim3, source[i]);
+    error.se3_m = (error.se3 - target[i]).norm();
+    error.sim3_m = (error.sim3 - target[i]).norm();
+    evaluation.errors.push_back(error);
+  }
+  evaluation.ate_se3_m = RootMeanSquare(evaluation.errors, &PoseError::se3_m);
+  evaluation.ate_sim3_m = RootMeanSquare(evaluation.errors, &PoseError::sim3_m);
   evaluation.groundtruth_world_from_estimate_world = se3.rigid;
+  evaluation.groundtruth_world_from_estimate_world_sim3 = sim3;
 }
 
 /// KITTI's lengths of sub-paths, or the largest tenths of them of which a path holds five.
@@ -140,30 +105,16 @@ std::vector<double> SubPathLengths(double path_length) {
   return {};
 }
 
-// Error of the estimated motion from one pose to another, in the body's frame at the latter.
-Rigid3 MotionError(const Pair& from, const Pair& to) {
-  const Rigid3 true_motion =
-      from.groundtruth->world_from_body.Inverse() * to.groundtruth->world_from_body;
-  const Rigid3 estimated_motion =
-      from.estimate->world_from_body.Inverse() * to.estimate->world_from_body;
-  return true_motion.Inverse() * estimated_motion;
-}
-
-double AngleOf(const Rigid3& transform) {
-  return transform.rotation.angularDistance(Eigen::Quaterniond::Identity());
-}
-
-std::size_t CountRightMotions(const std::vector<Pair>& pairs, const EvaluationOptions& options) {
+std::size_t CountRightMotions(const std::vector<PosePair>& pairs,
+                              const EvaluationOptions& options) {
   std::size_t right = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
-    const Rigid3 error = MotionError(pairs[i - 1], pairs[i]);
-    right += error.translation.norm() <= options.right_motion_m &&
-             AngleOf(error) * 180.0 / std::numbers::pi <= options.right_motion_deg;
+    right += IsRightMotion(pairs[i - 1], pairs[i], options) ? 1 : 0;
   }
   return right;
 }
 
-void EvaluateRelative(const std::vector<Pair>& pairs, Evaluation& evaluation) {
+void EvaluateRelative(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
   std::vector<double> travelled = {0.0};
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     travelled.push_back(travelled.back() + (pairs[i].groundtruth->world_from_body.translation -
@@ -181,7 +132,7 @@ void EvaluateRelative(const std::vector<Pair>& pairs, Evaluation& evaluation) {
       if (end == travelled.end()) {
         break;
       }
-      const Pair& last = pairs[static_cast<std::size_t>(end - travelled.begin())];
+      const PosePair& last = pairs[static_cast<std::size_t>(end - travelled.begin())];
       const Rigid3 error = MotionError(pairs[start], last);
       translation_sum += error.translation.norm() / length;
       rotation_sum += AngleOf(error) / length;
@@ -199,11 +150,39 @@ void EvaluateRelative(const std::vector<Pair>& pairs, Evaluation& evaluation) {
   evaluation.rpe_rotation_deg_per_m = kDegrees * weight * rotation_sum;
 }
 
-double Seconds(int64_t from_ns, int64_t to_ns) {
-  return static_cast<double>(Apart(from_ns, to_ns)) * kSecondsPerNanosecond;
+void EvaluateMotions(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const Rigid3 error = MotionError(pairs[i - 1], pairs[i]);
+    evaluation.errors[i].motion_m = error.translation.norm();
+    evaluation.errors[i].motion_deg = AngleOf(error) * 180.0 / std::numbers::pi;
+  }
 }
 
-double Coverage(const std::vector<Pair>& pairs, const Trajectory& groundtruth) {
+void EvaluateFrameSteps(const std::vector<PosePair>& pairs, const EvaluationOptions& options,
+                        Evaluation& evaluation) {
+  const auto delta = static_cast<std::size_t>(options.rpe_frames);
+  const std::size_t step = options.rpe_every_frame ? 1 : delta;
+  double squared_translations = 0.0;
+  double squared_angles = 0.0;
+  std::size_t count = 0;
+  for (std::size_t start = 0; start + delta < pairs.size(); start += step) {
+    const Rigid3 error = MotionError(pairs[start], pairs[start + delta]);
+    const double angle = AngleOf(error) * 180.0 / std::numbers::pi;
+    squared_translations += error.translation.squaredNorm();
+    squared_angles += angle * angle;
+    ++count;
+  }
+  // 0 / 0 is NaN: fewer poses than the step.
+  evaluation.rpe_frames_translation_m =
+      std::sqrt(squared_translations / static_cast<double>(count));
+  evaluation.rpe_frames_rotation_deg = std::sqrt(squared_angles / static_cast<double>(count));
+}
+
+double Seconds(int64_t from_ns, int64_t to_ns) {
+  return static_cast<double>(TimeApart(from_ns, to_ns)) * kSecondsPerNanosecond;
+}
+
+double Coverage(const std::vector<PosePair>& pairs, const Trajectory& groundtruth) {
   constexpr double kGap = 1.0;
   constexpr double kStepsOfGap = 3.0;
   std::vector<double> steps;
@@ -233,6 +212,9 @@ void EvaluationOptions::Validate() const {
   }
   if (!(right_motion_m > 0.0 && right_motion_deg > 0.0)) {
     throw Error("the bounds of a right motion must be above 0");
+  }
+  if (rpe_frames < 1) {
+    throw Error("the relative pose error must be over 1 frame or more");
   }
 }
 
@@ -272,19 +254,14 @@ Similarity3 AlignUmeyama(const std::vector<Eigen::Vector3d>& source,
 
 Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
                     const EvaluationOptions& options) {
-  options.Validate();
-  const std::vector<Pair> pairs = Associate(estimate, groundtruth, options.max_time_difference_s);
-  if (pairs.size() < kFewestPairs) {
-    throw Error("only " + std::to_string(pairs.size()) +
-                " poses of the estimate and the ground truth are within " +
-                std::to_string(options.max_time_difference_s) +
-                " s of each other, expected at least 3: are they of the same sequence and clock?");
-  }
+  const std::vector<PosePair> pairs = AssociatePoses(estimate, groundtruth, options);
   Evaluation evaluation;
   evaluation.pairs = pairs.size();
   EvaluateAbsolute(pairs, evaluation);
+  EvaluateMotions(pairs, evaluation);
   evaluation.right_motions = CountRightMotions(pairs, options);
   EvaluateRelative(pairs, evaluation);
+  EvaluateFrameSteps(pairs, options, evaluation);
   evaluation.coverage = Coverage(pairs, groundtruth);
   return evaluation;
 }

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -62,8 +63,12 @@ class H5OutputFile {
   /// dataset called `dataset_of_it` in it, or cannot be made.
   void MakeGroup(const std::string& group, const std::string& dataset_of_it);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const float* values);
+  void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const double* values);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const int32_t* values);
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const int64_t* values);
+  void Write(const std::string& dataset, const std::vector<hsize_t>& shape, const uint8_t* values);
+  /// Texts by name, as attributes of a group that is there ("/": the file).
+  void WriteTexts(const std::string& group, const std::map<std::string, std::string>& texts);
   void Finish();
 
  private:
@@ -95,12 +100,20 @@ class H5InputFile {
   std::vector<float> ReadFloats(const std::string& dataset) const;
   /// The same; throws for stored types other than integers, and values outside of 32 bits.
   std::vector<int> ReadIntegers(const std::string& dataset) const;
+  /// The same in full width, infinities and NaN too.
+  std::vector<double> ReadDoubles(const std::string& dataset) const;
+  std::vector<int64_t> ReadLongIntegers(const std::string& dataset) const;
+  /// All attributes of a group that are texts, by name.
+  std::map<std::string, std::string> ReadTexts(const std::string& group) const;
 
   /// "FILE: WHAT NAME", to begin a message with.
   std::string Place(const std::string& name) const;
 
  private:
   H5Handle Open(const std::string& dataset) const;
+  template <typename Value>
+  std::vector<Value> ReadAll(const H5Handle& opened, const std::string& dataset,
+                             hid_t memory_type) const;
 
   std::filesystem::path path_;
   H5Handle file_;

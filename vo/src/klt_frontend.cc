@@ -74,11 +74,12 @@ void KltOptions::Validate() const {
   CheckAtLeast(levels, 0, "klt.levels");
   CheckPositive(max_return_distance, "klt.max_return_distance");
   CheckAtLeast(border, 0, "klt.border");
+  CheckPositive(max_epipolar_error_px, "klt.max_epipolar_error_px");
   CheckPositive(fundamental_distance, "klt.fundamental_distance");
 }
 
 KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
-    : rig_(rig), options_(options) {
+    : rig_(rig), epipolar_(rig), options_(options) {
   options_.Validate();
 }
 
@@ -103,7 +104,8 @@ TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   AddCorners(frame.images[0]);
   result.stages_ms["klt_detect"] = MsSince(start);
   start = std::chrono::steady_clock::now();
-  MatchStereo(left, Pyramid(frame.images[1], options_), result);
+  MatchStereo(left, options_.stereo ? Pyramid(frame.images[1], options_) : std::vector<cv::Mat>(),
+              result);
   result.stages_ms["klt_stereo"] = MsSince(start);
   last_pyramid_ = std::move(left);
   return result;
@@ -191,17 +193,25 @@ void KltFrontEnd::MatchStereo(const std::vector<cv::Mat>& left, const std::vecto
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
   }
-  const Flow flow = FollowBothWays(left, right, pixels, pixels, options_);
+  const Flow flow = options_.stereo ? FollowBothWays(left, right, pixels, pixels, options_)
+                                    : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Observation observation;
     observation.track_id = tracks_[i].id;
     observation.left_pixel = ToEigen(tracks_[i].pixel);
     observation.left = rig_.cameras[0].Undistort(observation.left_pixel);
+    if (!observation.left.allFinite()) {
+      continue;  // Beyond the camera model there is no ray.
+    }
     observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
-    if (flow.found[i] != 0) {
+    const Eigen::Vector2d right_pixel = ToEigen(flow.pixels[i]);
+    const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(right_pixel);
+    // False, too, where a pixel is beyond the camera model and has no ray.
+    if (flow.found[i] != 0 &&
+        epipolar_.Distance(observation.left, in_right) <= options_.max_epipolar_error_px) {
       observation.has_right = true;
-      observation.right_pixel = ToEigen(flow.pixels[i]);
-      observation.right = rig_.cameras[1].Undistort(observation.right_pixel);
+      observation.right_pixel = right_pixel;
+      observation.right = in_right;
       observation.stereo_confidence = 1.0F;
     }
     result.observations.push_back(observation);

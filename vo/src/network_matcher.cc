@@ -17,19 +17,29 @@ class SuperPointExtractor : public FeatureExtractor {
   }
 
   nn::Features Extract(const cv::Mat& image) override {
-    if (image.type() != CV_8UC1) {
-      throw Error("an image that is not 8-bit gray cannot be given to SuperPoint");
-    }
     nn::Features features;
-    network_->Extract({.data = image.data,
-                       .width = image.cols,
-                       .height = image.rows,
-                       .stride = static_cast<std::ptrdiff_t>(image.step[0])},
-                      options_, workspace_, features);
+    network_->Extract(View(image), options_, workspace_, features);
+    return features;
+  }
+
+  nn::Features Describe(const cv::Mat& image, const nn::Features::Points& pixels) override {
+    nn::Features features;
+    features.keypoints = pixels;
+    network_->Describe(View(image), workspace_, features);
     return features;
   }
 
  private:
+  static nn::GrayImage View(const cv::Mat& image) {
+    if (image.type() != CV_8UC1) {
+      throw Error("an image that is not 8-bit gray cannot be given to SuperPoint");
+    }
+    return {.data = image.data,
+            .width = image.cols,
+            .height = image.rows,
+            .stride = static_cast<std::ptrdiff_t>(image.step[0])};
+  }
+
   std::shared_ptr<const nn::SuperPoint> network_;
   nn::SuperPointOptions options_;
   nn::Workspace workspace_;

@@ -1,26 +1,15 @@
 #include "gluevo/vo/odometry.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "options_check.h"
+#include "stopwatch.h"
 
 namespace gluevo::vo {
 namespace {
-
-class Stopwatch {
- public:
-  double ElapsedMs() const {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
-        .count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 bool IsFinite(const Rigid3& pose) {
   return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
@@ -51,54 +40,75 @@ Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
 }
 
 FrameResult Odometry::Process(const StereoFrame& frame) {
-  if (last_ && frame.timestamp_ns <= last_->timestamp_ns) {
-    throw Error("frame at " + std::to_string(frame.timestamp_ns) +
+  CheckTime(frame.timestamp_ns);
+  Stopwatch watch;
+  FrameResult result{.timestamp_ns = frame.timestamp_ns};
+  TrackedFrame& tracked = result.tracked_frame;
+  tracked = WithoutNonFinite(frontend_->Track(frame));
+  result.stages_ms["frontend"] = watch.Lap();
+
+  std::optional<FramePose> pose = Locate(tracked);
+  result.stages_ms["estimator"] = watch.Lap();
+  while (!pose && Retry(tracked)) {
+    result.stages_ms["frontend"] += watch.Lap();
+    pose = Locate(tracked);
+    result.stages_ms["estimator"] += watch.Lap();
+  }
+  if (!pose || !Estimate(tracked, *pose)) {
+    pose = StartSegment(tracked);
+    Estimate(tracked, *pose);
+  }
+  Describe(*pose, result);
+  window_.Slide();
+  result.stages_ms["estimator"] += watch.Lap();
+
+  frontend_->Accept(result.is_keyframe);
+  last_but_one_ = std::exchange(last_, StampedPose{frame.timestamp_ns, result.world_from_body});
+  return result;
+}
+
+void Odometry::CheckTime(int64_t timestamp_ns) const {
+  if (last_ && timestamp_ns <= last_->timestamp_ns) {
+    throw Error("frame at " + std::to_string(timestamp_ns) +
                 " ns does not come after the one before, at " +
                 std::to_string(last_->timestamp_ns) + " ns");
   }
-  const Stopwatch total;
-  TrackedFrame tracked = WithoutNonFinite(frontend_->Track(frame));
-  double frontend_ms = total.ElapsedMs();
+}
 
-  std::optional<FramePose> pose = Locate(tracked);
-  while (!pose && !window_.empty()) {
-    const Stopwatch retry_watch;
-    std::optional<TrackedFrame> retried = frontend_->Retry();
-    frontend_ms += retry_watch.ElapsedMs();
-    if (!retried) {
-      break;
-    }
+bool Odometry::Retry(TrackedFrame& tracked) {
+  if (window_.empty()) {
+    return false;
+  }
+  std::optional<TrackedFrame> retried = frontend_->Retry();
+  if (retried) {
     tracked = WithoutNonFinite(*std::move(retried));
-    pose = Locate(tracked);
   }
-  if (!pose) {
-    pose = StartSegment(tracked);
-  }
-  FrameResult result;
-  result.tracked = static_cast<int>(std::count_if(pose->verdicts.begin(), pose->verdicts.end(),
-                                                  [](const auto& v) { return v.has_value(); }));
+  return retried.has_value();
+}
 
-  window_.AddFrame(tracked, pose->world_from_body, pose->verdicts);
+bool Odometry::Estimate(const TrackedFrame& tracked, const FramePose& pose) {
+  window_.AddFrame(tracked, pose.world_from_body, pose.verdicts);
   window_.Triangulate();
-  window_.Optimize();
+  const bool is_solved = window_.Optimize();
   window_.RemoveOutliers();
+  return is_solved && (!last_ || IsPlausible(window_.world_from_body(), tracked.timestamp_ns));
+}
+
+void Odometry::Describe(const FramePose& pose, FrameResult& result) const {
+  const std::vector<Observation>& observations = result.tracked_frame.observations;
   result.world_from_body = window_.world_from_body();
   result.is_keyframe = window_.newest_is_keyframe();
-  result.landmarks = static_cast<int>(window_.CountLandmarks());
-  window_.Slide();
-
-  result.timestamp_ns = frame.timestamp_ns;
   result.segment = segment_;
-  result.inliers = pose->inliers;
-  result.observations = static_cast<int>(tracked.observations.size());
+  result.observations = static_cast<int>(observations.size());
+  result.tracked = static_cast<int>(std::count_if(pose.verdicts.begin(), pose.verdicts.end(),
+                                                  [](const auto& v) { return v.has_value(); }));
   result.stereo = static_cast<int>(
-      std::count_if(tracked.observations.begin(), tracked.observations.end(),
+      std::count_if(observations.begin(), observations.end(),
                     [](const Observation& observation) { return observation.has_right; }));
-  result.stages_ms = tracked.stages_ms;
-  result.stages_ms["frontend"] = frontend_ms;
-  result.stages_ms["estimator"] = total.ElapsedMs() - frontend_ms;
-  last_but_one_ = std::exchange(last_, StampedPose{frame.timestamp_ns, result.world_from_body});
-  return result;
+  result.inliers = pose.inliers;
+  result.landmarks = static_cast<int>(window_.CountLandmarks());
+  result.stages_ms.insert(result.tracked_frame.stages_ms.begin(),
+                          result.tracked_frame.stages_ms.end());
 }
 
 std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {

@@ -1,5 +1,6 @@
 #include "simulation_path.h"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -50,16 +51,98 @@ Rigid3 HallLoop(double time_s) {
   return {LookAlong(forward, roll), position};
 }
 
-}  // namespace
+/// A step from 0 to 1 over one unit of time, its first two derivatives 0 at both ends.
+double Step(double x) {
+  if (x <= 0.0 || x >= 1.0) return x <= 0.0 ? 0.0 : 1.0;
+  return x - std::sin(2.0 * kPi * x) / (2.0 * kPi);
+}
 
-std::vector<std::string> SimulationPaths() { return {"hall_loop"}; }
+Eigen::Vector3d Direction(double yaw, double pitch) {
+  return {std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)};
+}
 
-SimulationPath MakeSimulationPath(const std::string& name) {
-  if (name == "hall_loop") return HallLoop;
+/// A lying eight (Gerono's lemniscate) in 20 s, eyes along the path: turns both ways.
+Rigid3 FigureEight(double time_s) {
+  constexpr double kLapS = 20.0;
+  constexpr double kRampS = 2.0;
+  const double phase = 2.0 * kPi * EasedTime(time_s, kRampS) / (kLapS - 0.5 * kRampS);
+  const double yaw = std::atan2(3.6 * std::cos(2.0 * phase), -3.2 * std::sin(phase));
+  const Eigen::Vector3d position(3.2 * std::cos(phase), 1.8 * std::sin(2.0 * phase),
+                                 1.4 + 0.2 * std::sin(3.0 * phase));
+  return {LookAlong(Direction(yaw, 0.06 * std::sin(2.0 * phase)), 0.05 * std::sin(phase)),
+          position};
+}
+
+/// Down a corridor of 12 m and back in 20 s, turning round at its ends.
+Rigid3 Corridor(double time_s) {
+  constexpr double kLapS = 20.0;
+  constexpr double kTurnS = 4.0;
+  const double time = EasedTime(time_s, 2.0);
+  const double phase = 2.0 * kPi * time / kLapS;
+  // Half turns, centred on the ends; always to the left, so that the head goes full circle.
+  double turns = 0.0;
+  for (double end = 0.5 * kLapS; end < time + kTurnS; end += 0.5 * kLapS) {
+    turns += Step((time - end) / kTurnS + 0.5);
+  }
+  const double yaw = kPi * turns + 0.1 * std::sin(1.3 * time);
+  const Eigen::Vector3d position(-6.0 * std::cos(phase), 0.15 * std::sin(5.0 * phase),
+                                 1.4 + 0.1 * std::sin(3.0 * phase));
+  return {LookAlong(Direction(yaw, 0.04 * std::sin(0.9 * time)), 0.04 * std::sin(1.1 * time)),
+          position};
+}
+
+/// In one place as well as a flying body can: some centimetres and degrees to and fro.
+Rigid3 Hover(double time_s) {
+  const double time = EasedTime(time_s, 2.0);
+  const auto sway = [time](double size, double period_s) {
+    return size * (std::sin(2.0 * kPi * time / period_s) +
+                   0.4 * std::sin(2.0 * kPi * 2.7 * time / period_s));
+  };
+  return {LookAlong(Direction(sway(0.05, 6.1), sway(0.02, 4.3)), sway(0.02, 5.2)),
+          Eigen::Vector3d(sway(0.06, 5.0), sway(0.06, 6.7), 1.4 + sway(0.03, 4.1))};
+}
+
+/// Turning on the spot at 0.7 to 2.5 radians a second.
+Rigid3 FastYaw(double time_s) {
+  const double time = EasedTime(time_s, 2.0);
+  const double yaw = 1.6 * time + 0.6 * std::sin(1.5 * time);
+  const Eigen::Vector3d position(0.3 * std::cos(0.5 * time), 0.3 * std::sin(0.5 * time),
+                                 1.5 + 0.1 * std::sin(0.8 * time));
+  return {LookAlong(Direction(yaw, 0.05 * std::sin(1.1 * time)), 0.05 * std::sin(0.7 * time)),
+          position};
+}
+
+struct NamedPath {
+  const char* name;
+  Rigid3 (*path)(double);
+  double side_margin;
+};
+
+constexpr std::array kNamedPaths = {
+    NamedPath{"hall_loop", HallLoop, 2.6}, NamedPath{"figure_eight", FigureEight, 2.6},
+    NamedPath{"corridor", Corridor, 1.3}, NamedPath{"hover", Hover, 3.0},
+    NamedPath{"fast_yaw", FastYaw, 3.0}};
+
+const NamedPath& Find(const std::string& name) {
   std::string known;
-  for (const std::string& path : SimulationPaths()) known += (known.empty() ? "" : ", ") + path;
+  for (const NamedPath& path : kNamedPaths) {
+    if (name == path.name) return path;
+    known += std::string(known.empty() ? "" : ", ") + path.name;
+  }
   throw Error("unknown path \"" + name + "\" to simulate, expected one of: " + known);
 }
+
+}  // namespace
+
+std::vector<std::string> SimulationPaths() {
+  std::vector<std::string> names;
+  for (const NamedPath& path : kNamedPaths) names.emplace_back(path.name);
+  return names;
+}
+
+SimulationPath MakeSimulationPath(const std::string& name) { return Find(name).path; }
+
+double SideMargin(const std::string& name) { return Find(name).side_margin; }
 
 Motion MotionAt(const SimulationPath& path, double time_s) {
   constexpr double kStepS = 1e-3;

@@ -7,8 +7,8 @@
 namespace gluevo::vo {
 
 /// Procedural patterns (brightness 0 to 1, lengths in metres, z or the page's top along +v). Every
-/// cell of every pattern is drawn from the seed and its own place, so nothing repeats. All of them
-/// carry value noise at several scales, down to a centimetre.
+/// cell of every pattern is drawn from the seed and its own place, so nothing repeats but what
+/// Mirrored makes repeat. All of them carry value noise at several scales, down to a centimetre.
 
 /// Smooth noise of several octaves, mean about 0.5: wavelengths from `coarsest_m` halving down to
 /// `finest_m`, each weighing `persistence` times the one before.
@@ -33,5 +33,9 @@ Pattern Poster(double width_m, double height_m, uint64_t seed);
 
 /// `background` with about `count` posters pasted on it, over width x height metres; none overlap.
 Pattern WithPosters(Pattern background, double width_m, double height_m, int count, uint64_t seed);
+
+/// Repeats the first period_u x period_v metres of a pattern for ever, mirrored, as wallpaper does:
+/// what matchers must not be fooled by.
+Pattern Mirrored(Pattern pattern, double period_u_m, double period_v_m);
 
 }  // namespace gluevo::vo

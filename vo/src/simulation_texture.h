@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -11,6 +13,21 @@ using Pattern = std::function<double(double, double)>;
 
 /// A pattern baked into a pyramid of 8-bit images, sampled trilinearly.
 class Texture {
+ private:
+  struct Level {
+    Level(int columns_in, int rows_in, double texel_m);
+    /// Fills the padding with the values beside it.
+    void Pad();
+
+    int columns;
+    int rows;
+    int stride;  ///< Of rows in `texels`, which are padded by one texel at their ends.
+    float last_column;
+    float last_row;
+    float texels_per_metre;
+    std::vector<uint8_t> texels;
+  };
+
  public:
   /// A single gray.
   Texture();
@@ -18,21 +35,55 @@ class Texture {
   /// texels are taken where there would be more), on `threads` threads.
   Texture(double width_m, double height_m, double texel_m, const Pattern& pattern, int threads);
 
-  /// The brightness, 0 to 255, averaged over about `footprint_m` metres around (u, v); clamped at
-  /// the edges. Continuous in all three arguments.
-  float Sample(double u, double v, double footprint_m) const;
+  /// Samples at one footprint, for several places.
+  class Sampler {
+   public:
+    /// The brightness, 0 to 255, averaged over the footprint around (u, v), metres; clamped at the
+    /// edges. Continuous in u, v and the footprint.
+    float Sample(float u, float v) const {
+      const float value = Bilinear(*fine_, u, v);
+      return part_ == 0.0F ? value : value + (Bilinear(*coarse_, u, v) - value) * part_;
+    }
+
+   private:
+    friend class Texture;
+    Sampler(const Level& fine, const Level& coarse, float part)
+        : fine_(&fine), coarse_(&coarse), part_(part) {}
+
+    static float Bilinear(const Level& level, float u, float v) {
+      const float x = std::clamp(u * level.texels_per_metre - 0.5F, 0.0F, level.last_column);
+      const float y = std::clamp(v * level.texels_per_metre - 0.5F, 0.0F, level.last_row);
+      const int column = static_cast<int>(x);
+      const int row = static_cast<int>(y);
+      const float a = x - static_cast<float>(column);
+      const float b = y - static_cast<float>(row);
+      const uint8_t* texel = &level.texels[static_cast<std::size_t>(row) * level.stride + column];
+      const auto top0 = static_cast<float>(texel[0]);
+      const auto top1 = static_cast<float>(texel[1]);
+      const auto bottom0 = static_cast<float>(texel[level.stride]);
+      const auto bottom1 = static_cast<float>(texel[level.stride + 1]);
+      const float top = top0 + (top1 - top0) * a;
+      const float bottom = bottom0 + (bottom1 - bottom0) * a;
+      return top + (bottom - top) * b;
+    }
+
+    const Level* fine_;
+    const Level* coarse_;
+    float part_;
+  };
+
+  /// For footprints of about 2^log2_footprint_m metres a side.
+  Sampler At(float log2_footprint_m) const {
+    const float level =
+        std::clamp(log2_footprint_m - log2_texel_m_, 0.0F, static_cast<float>(levels_.size() - 1));
+    const auto fine = static_cast<std::size_t>(level);
+    return {levels_[fine], levels_[std::min(fine + 1, levels_.size() - 1)],
+            level - static_cast<float>(fine)};
+  }
 
  private:
-  struct Level {
-    int columns = 1;
-    int rows = 1;
-    float texels_per_metre = 1.0F;
-    std::vector<uint8_t> texels;
-  };
-  static float Bilinear(const Level& level, float u, float v);
-
   std::vector<Level> levels_;
-  float texel_m_ = 1.0F;
+  float log2_texel_m_ = 0.0F;
 };
 
 }  // namespace gluevo::vo

@@ -63,32 +63,16 @@ WorldView::Placed WorldView::Place(const SimulatedBox& box, const Eigen::Vector3
   placed.half_size = box.half_size;
   placed.cosine = std::cos(box.yaw);
   placed.sine = std::sin(box.yaw);
-  placed.center_from_eye = box.center - eye_in_world;
-  placed.radius = box.half_size.norm();
   return placed;
 }
 
 WorldView::WorldView(const SimulatedWorld& world, const Eigen::Vector3d& eye_in_world)
-    : world_(world), room_(Place(world.room, eye_in_world)) {
+    : room_(Place(world.room, eye_in_world)) {
   for (const SimulatedBox& box : world.boxes) boxes_.push_back(Place(box, eye_in_world));
 }
 
-void WorldView::BoxesInCone(const Eigen::Vector3d& axis_in_world, double half_angle,
-                            std::vector<int>* boxes) const {
-  boxes->clear();
-  for (std::size_t i = 0; i < boxes_.size(); ++i) {
-    const double distance = boxes_[i].center_from_eye.norm();
-    if (distance > boxes_[i].radius) {
-      const double cosine = axis_in_world.dot(boxes_[i].center_from_eye) / distance;
-      const double reach = half_angle + std::asin(boxes_[i].radius / distance);
-      if (std::acos(std::clamp(cosine, -1.0, 1.0)) > reach) continue;
-    }
-    boxes->push_back(static_cast<int>(i));
-  }
-}
-
-std::optional<SurfaceHit> WorldView::Cast(const Eigen::Vector3d& direction_in_world,
-                                          const std::vector<int>& boxes) const {
+std::optional<SurfaceHit> WorldView::Cast(const Eigen::Vector3d& direction_in_world) const {
+  if (!direction_in_world.allFinite()) return std::nullopt;
   const auto rotate = [&](const Placed& placed) {
     return Eigen::Vector3d(
         placed.cosine * direction_in_world.x() + placed.sine * direction_in_world.y(),
@@ -103,12 +87,12 @@ std::optional<SurfaceHit> WorldView::Cast(const Eigen::Vector3d& direction_in_wo
   int axis = room.leave_axis;
   bool positive = direction[axis] > 0.0;
   const Placed* nearest = &room_;
-  for (const int i : boxes) {
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
     const Eigen::Vector3d turned = rotate(boxes_[i]);
     const Span span = Intersect(boxes_[i].eye, turned, boxes_[i].half_size);
     if (span.enter > 0.0 && span.enter <= span.leave && span.enter < hit.distance) {
       hit.distance = span.enter;
-      hit.box = i;
+      hit.box = static_cast<int>(i);
       axis = span.enter_axis;
       positive = turned[axis] < 0.0;
       nearest = &boxes_[i];
@@ -120,12 +104,7 @@ std::optional<SurfaceHit> WorldView::Cast(const Eigen::Vector3d& direction_in_wo
   const int v_axis = axis == 2 ? 1 : 2;
   hit.u = nearest->eye[u_axis] + hit.distance * direction[u_axis] + nearest->half_size[u_axis];
   hit.v = nearest->eye[v_axis] + hit.distance * direction[v_axis] + nearest->half_size[v_axis];
-  hit.cosine = std::abs(direction[axis]) / direction.norm();
   return hit;
-}
-
-const Texture& WorldView::TextureOf(const SurfaceHit& hit) const {
-  return (hit.box < 0 ? world_.room : world_.boxes[hit.box]).faces[hit.face];
 }
 
 }  // namespace gluevo::vo

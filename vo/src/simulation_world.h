@@ -35,7 +35,6 @@ struct SurfaceHit {
   int box = -1;           ///< -1: the room.
   int face = 0;
   double u = 0.0, v = 0.0;  ///< Metres.
-  double cosine = 0.0;      ///< Of the angle between ray and normal, 0 to 1.
 };
 
 /// The world as seen from one place.
@@ -43,36 +42,20 @@ class WorldView {
  public:
   WorldView(const SimulatedWorld& world, const Eigen::Vector3d& eye_in_world);
 
-  /// The boxes that a cone of rays can meet: `axis` of unit length, half-angle in radians.
-  void BoxesInCone(const Eigen::Vector3d& axis_in_world, double half_angle,
-                   std::vector<int>* boxes) const;
-
-  /// Exact intersection with the room and the given boxes; nothing where the eye is outside the
-  /// room. The direction need not have unit length.
-  std::optional<SurfaceHit> Cast(const Eigen::Vector3d& direction_in_world,
-                                 const std::vector<int>& boxes) const;
-
-  const Texture& TextureOf(const SurfaceHit& hit) const;
+  /// Exact intersection with the room and the boxes; nothing where the eye is outside the room, and
+  /// for directions that are not finite. The direction need not have unit length.
+  std::optional<SurfaceHit> Cast(const Eigen::Vector3d& direction_in_world) const;
 
  private:
   struct Placed {
     Eigen::Vector3d eye;  ///< In the box's frame.
     Eigen::Vector3d half_size;
     double cosine = 1.0, sine = 0.0;  ///< Of the yaw.
-    Eigen::Vector3d center_from_eye;  ///< World axes.
-    double radius = 0.0;
   };
   static Placed Place(const SimulatedBox& box, const Eigen::Vector3d& eye_in_world);
 
-  const SimulatedWorld& world_;
   Placed room_;
   std::vector<Placed> boxes_;
 };
-
-/// A hall of 12 x 9 x 3.4 m around the origin (floor at z = 0) with pillars, crates, standing and
-/// hanging panels, all drawn from the seed and kept 0.6 m off the points of `keep_clear`; textures
-/// in texels of `texel_m` metres.
-SimulatedWorld MakeHall(uint64_t seed, const std::vector<Eigen::Vector3d>& keep_clear,
-                        double texel_m, int threads);
 
 }  // namespace gluevo::vo

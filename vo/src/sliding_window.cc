@@ -49,6 +49,21 @@ std::size_t SlidingWindow::CountLandmarks() const {
                     [](const auto& entry) { return entry.second.point.has_value(); }));
 }
 
+std::vector<MapPoint> SlidingWindow::MapPoints() const {
+  std::vector<MapPoint> points;
+  for (const auto& [id, landmark] : landmarks_) {
+    if (landmark.point) {
+      const Rigid3 world_from_anchor =
+          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+      points.push_back(
+          {landmark.track_id,
+           world_from_anchor *
+               Eigen::Vector3d(landmark.point->head<2>().homogeneous() / landmark.point->z())});
+    }
+  }
+  return points;
+}
+
 std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
   const auto found = std::lower_bound(frames_.begin(), frames_.end(), frame_id,
                                       [](const Frame& frame, int64_t id) { return frame.id < id; });
@@ -129,7 +144,9 @@ void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from
       landmarks_[next_landmark_id_++] = {observation.track_id, {view}, std::nullopt};
       ++new_tracks;
     } else {
-      landmarks_.at(track->second).views.push_back(view);
+      Landmark& landmark = landmarks_.at(track->second);
+      landmark.views.push_back(view);
+      ++landmark.observations;
     }
   }
   DecideKeyframe(new_tracks);
@@ -140,9 +157,9 @@ void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
   std::size_t tracked = 0;
   std::size_t long_tracked = 0;
   for (const auto& [id, landmark] : landmarks_) {
-    if (landmark.views.size() > 1 && landmark.views.back().frame_id == newest.id) {
+    if (landmark.observations > 1 && landmark.views.back().frame_id == newest.id) {
       ++tracked;
-      long_tracked += landmark.views.size() >= static_cast<std::size_t>(options_.long_track);
+      long_tracked += landmark.observations >= options_.long_track;
     }
   }
   newest.lost_tracks = frames_.size() < 2 ||
@@ -190,6 +207,7 @@ void SlidingWindow::Triangulate() {
       const std::vector<LandmarkView> newest = {landmark.views.back()};
       if (const auto point = TriangulateViews(newest)) {
         landmark.views = newest;
+        landmark.observations = 1;
         landmark.point = point;
       }
     }
@@ -245,6 +263,7 @@ void SlidingWindow::RemoveOutliers() {
     } else if (landmark.views.back().frame_id == frames_.back().id) {
       // The track goes on: what the newest frame sees may be right.
       it->second.views = {landmark.views.back()};
+      it->second.observations = 1;
       it->second.point = TriangulateViews(landmark.views);
       ++it;
     } else {
@@ -258,8 +277,17 @@ void SlidingWindow::Slide() {
     return;
   }
   const std::size_t newest_but_one = frames_.size() - 2;
-  const bool keep = frames_[newest_but_one].is_keyframe || frames_.back().lost_tracks;
-  DropFrame(keep ? 0 : newest_but_one);
+  if (!frames_[newest_but_one].is_keyframe && !frames_.back().lost_tracks) {
+    if (prior_ && prior_->Find(frames_[newest_but_one].id)) {
+      prior_ = WithoutFrame(*prior_, frames_[newest_but_one].id);
+    }
+    DropFrame(newest_but_one);
+    return;
+  }
+  if (options_.marginalize) {
+    MarginalizeOldest();
+  }
+  DropFrame(0);
 }
 
 void SlidingWindow::DropFrame(std::size_t index) {

@@ -46,6 +46,9 @@ class FrontEnd {
   /// to match the same frame (which the estimator then tries in its place) returns its result;
   /// each call the next way, nothing when there is none left.
   virtual std::optional<TrackedFrame> Retry() { return std::nullopt; }
+
+  /// The estimator has done with the frame that was given last, and took it for a key frame or not.
+  virtual void Accept(bool /*is_keyframe*/) {}
 };
 
 }  // namespace gluevo::vo

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gluevo/vo/camera.h"
+#include "gluevo/vo/epipolar.h"
 #include "gluevo/vo/frontend.h"
 
 namespace gluevo::vo {
@@ -23,11 +24,16 @@ struct KltOptions {
   double max_return_distance = 0.5;
   /// Points closer to the image's edge are given up, pixels.
   int border = 1;
+  /// A stereo match farther than this from its epipolar line is none, pixels. VINS-Fusion has no
+  /// such check.
+  double max_epipolar_error_px = 1.5;
   /// Start the search where the track would be if it moved on as it did last.
   bool predict = true;
   /// Reject tracks by a fundamental matrix (RANSAC, this distance in pixels at focal length 460).
   bool reject_by_fundamental = false;
   double fundamental_distance = 1.0;
+  /// Follow the points into the right image.
+  bool stereo = true;
 
   /// Throws Error naming the option.
   void Validate() const;
@@ -56,6 +62,7 @@ class KltFrontEnd final : public FrontEnd {
                    TrackedFrame& result) const;
 
   StereoRig rig_;
+  EpipolarCheck epipolar_;
   KltOptions options_;
   std::vector<Corner> tracks_;
   std::vector<cv::Mat> last_pyramid_;  // of the left image

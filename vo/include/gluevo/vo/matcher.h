@@ -16,6 +16,9 @@ class FeatureExtractor {
 
   /// `image`: CV_8UC1. Throws Error for images it cannot process.
   virtual nn::Features Extract(const cv::Mat& image) = 0;
+
+  /// Describes given points of an image, N x 2 pixels. Throws Error as Extract does.
+  virtual nn::Features Describe(const cv::Mat& image, const nn::Features::Points& pixels) = 0;
 };
 
 /// Matches the points of two images. What the front ends know of SuperGlue.

@@ -38,6 +38,7 @@ struct FrameResult {
   int stereo = 0;                           ///< Of these, seen by both cameras.
   int inliers = 0;                          ///< Known points that agree with the pose.
   int landmarks = 0;                        ///< Landmarks with a depth in the window.
+  TrackedFrame tracked_frame;               ///< What the pose was estimated from.
   std::map<std::string, double> stages_ms;  ///< The front end's, "frontend" and "estimator".
 };
 
@@ -53,12 +54,23 @@ class Odometry {
   /// throws.
   FrameResult Process(const StereoFrame& frame);
 
+  /// The landmarks of the window that have a depth, as they are known after the last frame.
+  std::vector<MapPoint> MapPoints() const { return window_.MapPoints(); }
+  /// The rig with the right camera's orientation as the window refined it.
+  const StereoRig& rig() const { return window_.rig(); }
+
  private:
   struct FramePose {
     Rigid3 world_from_body;
     int inliers = 0;
     std::vector<std::optional<PnpVerdict>> verdicts;  // one an observation, where it was judged
   };
+  void CheckTime(int64_t timestamp_ns) const;
+  /// Another way to match the frame that the front end gave last; false where there is none.
+  bool Retry(TrackedFrame& tracked);
+  /// Takes the frame into the window. False where the estimate diverges.
+  bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
+  void Describe(const FramePose& pose, FrameResult& result) const;
   std::optional<FramePose> Locate(const TrackedFrame& frame) const;
   bool IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const;
   FramePose StartSegment(const TrackedFrame& frame);

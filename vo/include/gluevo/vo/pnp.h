@@ -42,7 +42,7 @@ struct PnpOptions {
   /// No pose that the inliers leave less certain than this (one standard deviation, in the worst
   /// direction): points on a line, or all far away and the rotation unknown.
   double max_position_sigma_m = 0.3;
-  double max_rotation_sigma_rad = 0.03;
+  double max_rotation_sigma_rad = 0.015;
 
   /// Throws Error naming the option.
   void Validate() const;

@@ -12,6 +12,7 @@
 #include "gluevo/vo/camera.h"
 #include "gluevo/vo/frontend.h"
 #include "gluevo/vo/pnp.h"
+#include "gluevo/vo/pose_prior.h"
 #include "gluevo/vo/rigid3.h"
 #include "gluevo/vo/triangulation.h"
 
@@ -41,12 +42,21 @@ struct SlidingWindowOptions {
   /// How well the calibration knows the right camera's orientation in the rig: standard deviation
   /// on each axis, radians. Within it the orientation is refined with each bundle adjustment; 0
   /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
-  /// wrong by a percent.
-  double right_turn_sigma = 5e-4;
+  /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
+  /// much the same in the next, so that many frames agree on more than they know.
+  double right_turn_sigma = 2e-4;
+  /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
+  bool marginalize = true;
   TriangulationOptions triangulation;
 
   /// Throws Error naming the option.
   void Validate() const;
+};
+
+/// A point of the scene and the track that shows it.
+struct MapPoint {
+  int64_t track_id = 0;
+  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();  ///< Metres.
 };
 
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
@@ -65,6 +75,7 @@ class SlidingWindow {
   bool newest_is_keyframe() const { return frames_.back().is_keyframe; }
   /// Landmarks that have a depth.
   std::size_t CountLandmarks() const;
+  std::vector<MapPoint> MapPoints() const;
 
   /// An observation of a frame that is not in the window yet, with the landmark it belongs to.
   struct Correspondence {
@@ -88,8 +99,9 @@ class SlidingWindow {
   /// Drops landmarks that fit badly or came to lie behind a camera that sees them; those seen in
   /// the newest frame start again from it.
   void RemoveOutliers();
-  /// Makes room for the next frame: where the window is full, drops the newest but one if it is no
-  /// key frame (and tracking has not just broken down), else the oldest.
+  /// Makes room for the next frame: where the window is full, the newest but one leaves if it is
+  /// no key frame (and tracking has not just broken down), else the oldest. What the oldest frame
+  /// and the landmarks anchored in it say of the other poses stays as a prior.
   void Slide();
 
  private:
@@ -109,6 +121,7 @@ class SlidingWindow {
     std::vector<LandmarkView> views;  // in order of frames; the first is the anchor
     /// Estimate in the anchor's left view: u, v on the normalised plane, inverse depth (1/m).
     std::optional<Eigen::Vector3d> point;
+    int observations = 1;  // dropped views included
   };
   using Landmarks = std::map<int64_t, Landmark>;
 
@@ -125,6 +138,12 @@ class SlidingWindow {
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
+  /// Puts into the prior what the landmarks say that are anchored in the oldest frame and no longer
+  /// tracked, and removes them. Those that are tracked on keep their other views and so must not
+  /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
+  void MarginalizeOldest();
+  void AddToMarginalizer(const Landmark& landmark, Marginalizer& marginalizer,
+                         const PosePrior& linearization) const;
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
@@ -134,6 +153,7 @@ class SlidingWindow {
   std::deque<Frame> frames_;
   Landmarks landmarks_;  // by a number of their own: a track may have had several
   std::unordered_map<int64_t, int64_t> landmark_of_track_;
+  std::optional<PosePrior> prior_;
   int64_t next_frame_id_ = 0;
   int64_t next_landmark_id_ = 0;
 };

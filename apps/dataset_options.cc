@@ -1,0 +1,44 @@
+#include "dataset_options.h"
+
+#include <map>
+
+namespace gluevo::apps {
+
+void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
+  command
+      .add_option("--format", arguments.format,
+                  "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
+      ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
+  command.add_option("--calibration", arguments.calibration,
+                     "Calibration of a plain data set: Kalibr camchain or OpenCV yaml");
+  command.add_option("--groundtruth", arguments.groundtruth,
+                     "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
+  command.add_option("--start", arguments.start, "First frame")->capture_default_str();
+  command.add_option("--count", arguments.count, "Number of frames; default: all");
+  command.add_option("--stride", arguments.stride, "Take every so many-th frame")
+      ->capture_default_str();
+}
+
+vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
+  static const std::map<std::string, vo::DatasetFormat> formats = {
+      {"euroc", vo::DatasetFormat::kEuroc},
+      {"kitti", vo::DatasetFormat::kKittiOdometry},
+      {"kitti-raw", vo::DatasetFormat::kKittiRaw},
+      {"plain", vo::DatasetFormat::kPlain}};
+  vo::DatasetOptions options;
+  if (const auto found = formats.find(arguments.format); found != formats.end()) {
+    options.format = found->second;
+  }
+  if (!arguments.calibration.empty()) {
+    options.calibration = arguments.calibration;
+  }
+  if (!arguments.groundtruth.empty()) {
+    options.groundtruth = arguments.groundtruth;
+  }
+  options.start = arguments.start;
+  options.count = arguments.count;
+  options.stride = arguments.stride;
+  return options;
+}
+
+}  // namespace gluevo::apps

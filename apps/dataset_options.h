@@ -1,0 +1,25 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+
+#include "gluevo/vo/dataset.h"
+
+namespace gluevo::apps {
+
+/// How a command opens a data set, and which of its frames it takes.
+struct DatasetArguments {
+  std::string format;                 ///< Recognised where empty.
+  std::filesystem::path calibration;  ///< Empty for the data set's own.
+  std::filesystem::path groundtruth;  ///< Empty for the data set's own.
+  int start = 0;
+  int count = -1;  ///< All.
+  int stride = 1;
+};
+
+void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
+
+vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments);
+
+}  // namespace gluevo::apps

@@ -1,0 +1,298 @@
+#include "experiment_table.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+#include <set>
+
+namespace gluevo::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Status = RunOutcome::Status;
+
+constexpr const char* kNothing = "-";
+
+/// A figure of metrics.json.
+struct Figure {
+  const char* title;    // For people.
+  const char* name;     // For programs.
+  const char* pointer;  // Into metrics.json.
+  double factor;        // For people.
+  int decimals;         // For people.
+};
+
+constexpr Figure kAccuracy[] = {
+    {"ATE SE(3), m", "ate_se3_m", "/ate_se3_m", 1.0, 4},
+    {"ATE Sim(3), m", "ate_sim3_m", "/ate_sim3_m", 1.0, 4},
+    {"scale", "scale", "/scale", 1.0, 4},
+    {"RPE, %", "rpe_translation_percent", "/rpe_translation_percent", 1.0, 3},
+    {"RPE, deg/m", "rpe_rotation_deg_per_m", "/rpe_rotation_deg_per_m", 1.0, 4},
+    {"coverage, %", "coverage", "/coverage", 100.0, 1},
+};
+constexpr Figure kWithinSegments = {"ATE within segments, m", "ate_within_segments_m",
+                                    "/within_segments/ate_se3_m", 1.0, 4};
+constexpr Figure kWork[] = {
+    {"resets", "resets", "/resets", 1.0, 0},
+    {"matches, tracked", "matches_tracked", "/matches_per_frame/tracked", 1.0, 0},
+    {"matches, stereo", "matches_stereo", "/matches_per_frame/stereo", 1.0, 0},
+    {"frames/s", "frames_per_second", "/frames_per_second", 1.0, 1},
+};
+constexpr Figure kForProgramsOnly[] = {
+    {"", "motions", "/motions", 1.0, 0},
+    {"", "right_motions", "/right_motions", 1.0, 0},
+    {"", "motions_within_segments", "/within_segments/motions", 1.0, 0},
+    {"", "right_motions_within_segments", "/within_segments/right_motions", 1.0, 0},
+    {"", "breaks", "/within_segments/breaks", 1.0, 0},
+    {"", "frames", "/frames", 1.0, 0},
+    {"", "threads", "/threads", 1.0, 0},
+};
+
+std::vector<Figure> FiguresForPrograms() {
+  std::vector<Figure> figures(std::begin(kAccuracy), std::end(kAccuracy));
+  figures.push_back(kWithinSegments);
+  figures.insert(figures.end(), std::begin(kWork), std::end(kWork));
+  figures.insert(figures.end(), std::begin(kForProgramsOnly), std::end(kForProgramsOnly));
+  return figures;
+}
+
+// Null where there is none.
+Json Value(const RunOutcome& outcome, const char* pointer) {
+  const Json::json_pointer place(pointer);
+  return outcome.metrics.is_object() && outcome.metrics.contains(place) ? outcome.metrics[place]
+                                                                        : Json();
+}
+
+std::string ForPeople(const RunOutcome& outcome, const Figure& figure) {
+  const Json value = Value(outcome, figure.pointer);
+  if (!value.is_number()) {
+    return kNothing;
+  }
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f", figure.decimals, figure.factor * value.get<double>());
+  return text;
+}
+
+// "97 of 99"; behind it how many of the others were not declared.
+std::string RightMotions(const RunOutcome& outcome) {
+  const Json motions = Value(outcome, "/motions");
+  const Json right = Value(outcome, "/right_motions");
+  if (!motions.is_number() || !right.is_number()) {
+    return kNothing;
+  }
+  std::string text = right.dump() + " of " + motions.dump();
+  const Json within = Value(outcome, "/within_segments");
+  if (within.is_object() && within.value("breaks", 0) > 0) {
+    const int wrong = within.value("motions", 0) - within.value("right_motions", 0);
+    text += wrong > 0 ? ", " + std::to_string(wrong) + " undeclared" : "";
+  }
+  return text;
+}
+
+// The options that any run sweeps, in order of appearance.
+std::vector<std::string> SweptNames(const std::vector<RunOutcome>& outcomes) {
+  std::vector<std::string> names;
+  for (const RunOutcome& outcome : outcomes) {
+    for (const auto& [name, value] : outcome.run.swept) {
+      if (std::find(names.begin(), names.end(), name) == names.end()) {
+        names.push_back(name);
+      }
+    }
+  }
+  return names;
+}
+
+std::string SweptValue(const RunOutcome& outcome, const std::string& name) {
+  for (const auto& [swept, value] : outcome.run.swept) {
+    if (swept == name) {
+      return value;
+    }
+  }
+  return "";
+}
+
+std::string StatusName(Status status) {
+  switch (status) {
+    case Status::kDone:
+      return "done";
+    case Status::kKept:
+      return "kept";
+    case Status::kFailed:
+      return "failed";
+    case Status::kMissing:
+      break;
+  }
+  return "missing";
+}
+
+std::vector<std::string> Notes(const std::vector<RunOutcome>& outcomes) {
+  std::vector<std::string> notes;
+  std::set<int> threads;
+  for (const RunOutcome& outcome : outcomes) {
+    if (const Json value = Value(outcome, "/threads"); value.is_number()) {
+      threads.insert(value.get<int>());
+    }
+    if (outcome.status == Status::kFailed || outcome.status == Status::kMissing) {
+      notes.push_back(outcome.run.Name() + ": " + StatusName(outcome.status) + ": " +
+                      outcome.reason);
+    }
+    if (const Json failure = Value(outcome, "/evaluation_failure"); failure.is_string()) {
+      notes.push_back(outcome.run.Name() + ": not evaluated: " + failure.get<std::string>());
+    }
+    if (const Json warnings = Value(outcome, "/warnings"); warnings.is_array()) {
+      for (const Json& warning : warnings) {
+        notes.push_back(outcome.run.Name() + ": " + warning.get<std::string>());
+      }
+    }
+  }
+  if (!threads.empty()) {
+    std::string text = "Frames a second with ";
+    for (const int count : threads) {
+      text += (count == *threads.begin() ? "" : " or ") + std::to_string(count);
+    }
+    notes.push_back(text + (threads == std::set<int>{1} ? " thread a run" : " threads a run"));
+  }
+  return notes;
+}
+
+std::string EscapeMarkdown(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    escaped += c == '|' ? "\\|" : std::string(1, c);
+  }
+  return escaped;
+}
+
+std::string CsvField(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) {
+    return text;
+  }
+  std::string quoted = "\"";
+  for (const char c : text) {
+    quoted += c == '"' ? "\"\"" : std::string(1, c);
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+ExperimentTable MakeTable(const std::vector<RunOutcome>& outcomes) {
+  const std::vector<std::string> swept = SweptNames(outcomes);
+  const bool has_resets =
+      std::any_of(outcomes.begin(), outcomes.end(), [](const RunOutcome& outcome) {
+        const Json resets = Value(outcome, "/resets");
+        return resets.is_number() && resets.get<int>() > 0;
+      });
+  ExperimentTable table;
+  table.header = {"data set", "method"};
+  table.header.insert(table.header.end(), swept.begin(), swept.end());
+  for (const Figure& figure : kAccuracy) {
+    table.header.emplace_back(figure.title);
+  }
+  if (has_resets) {
+    table.header.emplace_back(kWithinSegments.title);
+  }
+  table.header.emplace_back("right motions");
+  for (const Figure& figure : kWork) {
+    table.header.emplace_back(figure.title);
+  }
+  for (const RunOutcome& outcome : outcomes) {
+    std::vector<std::string> row = {outcome.run.data, outcome.run.method};
+    for (const std::string& name : swept) {
+      const std::string value = SweptValue(outcome, name);
+      row.push_back(value.empty() ? kNothing : value);
+    }
+    const std::size_t first = row.size();
+    for (const Figure& figure : kAccuracy) {
+      row.push_back(ForPeople(outcome, figure));
+    }
+    if (!outcome.HasResult()) {
+      row[first] = StatusName(outcome.status);
+    }
+    if (has_resets) {
+      row.push_back(ForPeople(outcome, kWithinSegments));
+    }
+    row.push_back(RightMotions(outcome));
+    for (const Figure& figure : kWork) {
+      row.push_back(ForPeople(outcome, figure));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.notes = Notes(outcomes);
+  return table;
+}
+
+std::string TableAsMarkdown(const std::string& title, const ExperimentTable& table) {
+  std::string text = title.empty() ? "" : "# " + title + "\n\n";
+  const auto add = [&](const std::vector<std::string>& cells) {
+    for (const std::string& cell : cells) {
+      text += "| " + EscapeMarkdown(cell) + ' ';
+    }
+    text += "|\n";
+  };
+  add(table.header);
+  add(std::vector<std::string>(table.header.size(), "---"));
+  for (const std::vector<std::string>& row : table.rows) {
+    add(row);
+  }
+  text += '\n';
+  for (const std::string& note : table.notes) {
+    text += "- " + note + '\n';
+  }
+  return text;
+}
+
+std::string OutcomesAsCsv(const std::vector<RunOutcome>& outcomes) {
+  const std::vector<std::string> swept = SweptNames(outcomes);
+  const std::vector<Figure> figures = FiguresForPrograms();
+  std::string text = "data,method";
+  for (const std::string& name : swept) {
+    text += ',' + CsvField(name);
+  }
+  text += ",status,reason,folder";
+  for (const Figure& figure : figures) {
+    text += std::string(",") + figure.name;
+  }
+  text += '\n';
+  for (const RunOutcome& outcome : outcomes) {
+    text += CsvField(outcome.run.data) + ',' + CsvField(outcome.run.method);
+    for (const std::string& name : swept) {
+      text += ',' + CsvField(SweptValue(outcome, name));
+    }
+    text += ',' + StatusName(outcome.status) + ',' + CsvField(outcome.reason) + ',' +
+            CsvField(outcome.run.folder.string());
+    for (const Figure& figure : figures) {
+      const Json value = Value(outcome, figure.pointer);
+      text += ',' + (value.is_number() ? value.dump() : "");
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+std::string OutcomesAsJson(const std::string& title, const std::vector<RunOutcome>& outcomes) {
+  Json json;
+  json["title"] = title;
+  json["runs"] = Json::array();
+  for (const RunOutcome& outcome : outcomes) {
+    Json entry;
+    entry["data"] = outcome.run.data;
+    entry["method"] = outcome.run.method;
+    entry["swept"] = Json::object();
+    for (const auto& [name, value] : outcome.run.swept) {
+      entry["swept"][name] = value;
+    }
+    entry["options"] = outcome.run.options;
+    entry["dataset"] = outcome.run.dataset.string();
+    entry["folder"] = outcome.run.folder.string();
+    entry["status"] = StatusName(outcome.status);
+    entry["reason"] = outcome.reason;
+    for (const Figure& figure : FiguresForPrograms()) {
+      entry[figure.name] = Value(outcome, figure.pointer);
+    }
+    json["runs"].push_back(entry);
+  }
+  return json.dump(2) + '\n';
+}
+
+}  // namespace gluevo::apps

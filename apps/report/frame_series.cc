@@ -1,0 +1,68 @@
+#include "frame_series.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "markup.h"
+#include "sections.h"
+
+namespace gluevo::apps {
+
+Series CountSeries(const RunReport& report, const std::string& name, const std::string& style,
+                   int vo::FrameResult::*count) {
+  Series series{name, style, {}, {}, {}};
+  for (std::size_t i = 0; i < report.frames.size(); ++i) {
+    series.x.push_back(SecondsIn(report, report.frames[i].timestamp_ns));
+    series.y.push_back(report.frames[i].*count);
+    if (i > 0 && report.frames[i].segment != report.frames[i - 1].segment) {
+      series.breaks.push_back(i);
+    }
+  }
+  return series;
+}
+
+Series StageSeries(const RunReport& report, const std::string& name, const std::string& style,
+                   const std::string& stage) {
+  Series series{name, style, {}, {}, {}};
+  const auto found = report.stages_ms.find(stage);
+  // A stage that some frames went without cannot be told apart by frame.
+  if (found != report.stages_ms.end() && found->second.size() == report.frames.size()) {
+    for (std::size_t i = 0; i < report.frames.size(); ++i) {
+      series.x.push_back(SecondsIn(report, report.frames[i].timestamp_ns));
+      series.y.push_back(found->second[i]);
+    }
+  }
+  return series;
+}
+
+std::vector<ChartMark> ResetMarks(const RunReport& report) {
+  std::vector<ChartMark> marks;
+  for (std::size_t i = 1; i < report.frames.size(); ++i) {
+    if (report.frames[i].segment != report.frames[i - 1].segment) {
+      const double time = SecondsIn(report, report.frames[i].timestamp_ns);
+      marks.push_back(
+          {time, "tracking lost at frame " + std::to_string(i) + ", " + Fixed(time, 1) + " s"});
+    }
+  }
+  return marks;
+}
+
+std::vector<double> KeyframeTimes(const RunReport& report) {
+  std::vector<double> times;
+  for (const vo::FrameResult& frame : report.frames) {
+    if (frame.is_keyframe) {
+      times.push_back(SecondsIn(report, frame.timestamp_ns));
+    }
+  }
+  return times;
+}
+
+double Quantile(std::vector<double> values, double q) {
+  if (values.empty()) {
+    return 0.0;
+  }
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(std::lround(q * static_cast<double>(values.size() - 1)))];
+}
+
+}  // namespace gluevo::apps

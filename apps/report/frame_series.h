@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "chart.h"
+#include "run_report.h"
+
+namespace gluevo::apps {
+
+/// A count of every frame over time, broken where tracking was lost.
+Series CountSeries(const RunReport& report, const std::string& name, const std::string& style,
+                   int vo::FrameResult::*count);
+
+/// Times of a stage over the frames' times.
+Series StageSeries(const RunReport& report, const std::string& name, const std::string& style,
+                   const std::string& stage);
+
+/// Where tracking was lost, for charts over time.
+std::vector<ChartMark> ResetMarks(const RunReport& report);
+
+/// Times of the key frames, seconds from the first frame.
+std::vector<double> KeyframeTimes(const RunReport& report);
+
+/// Value below which the share `q` of the values lies (nearest rank); 0 of none.
+double Quantile(std::vector<double> values, double q);
+
+}  // namespace gluevo::apps

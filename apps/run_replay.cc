@@ -1,0 +1,63 @@
+#include "run_replay.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "gluevo/nn/error.h"
+#include "run_metrics.h"
+
+namespace gluevo::apps {
+namespace {
+
+std::string ValueOf(const std::map<std::string, std::string>& values, const std::string& name) {
+  const auto found = values.find(name);
+  return found != values.end() ? found->second : "";
+}
+
+}  // namespace
+
+vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
+                            const Networks& networks) {
+  vo::RunRecord record{method, OptionValues(command), {}};
+  for (const auto& [network, weights] : {std::pair{"superpoint", networks.superpoint_record},
+                                         std::pair{"superglue", networks.superglue_record}}) {
+    if (!weights.source.empty()) {
+      record.weights[network] = weights.source;
+      record.weights[network + std::string("_sha256")] = weights.checksum;
+    }
+  }
+  return record;
+}
+
+std::string ReplayedMethod(const CLI::App& command, const vo::MatchStoreReader& store) {
+  const CLI::Option* const method = command.get_option("--method");
+  const std::string& stored = store.record().method;
+  if (method->count() > 0 && method->as<std::string>() != stored) {
+    throw Error(store.path().string() + ": matches of method " + Quoted(stored) +
+                ", --method asks for " + method->as<std::string>());
+  }
+  return stored;
+}
+
+void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& store, int& start,
+                          int& count, int& stride) {
+  const std::pair<const char*, int*> selection[] = {
+      {"start", &start}, {"count", &count}, {"stride", &stride}};
+  // One given option already asks for other frames than the stored ones.
+  if (std::any_of(std::begin(selection), std::end(selection), [&](const auto& entry) {
+        return command.get_option("--" + std::string(entry.first))->count() > 0;
+      })) {
+    return;
+  }
+  for (const auto& [name, value] : selection) {
+    const std::string text = ValueOf(store.record().options, name);
+    std::from_chars(text.data(), text.data() + text.size(), *value);
+  }
+}
+
+WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network) {
+  const auto& weights = store.record().weights;
+  return {ValueOf(weights, network), ValueOf(weights, network + "_sha256")};
+}
+
+}  // namespace gluevo::apps

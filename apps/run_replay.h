@@ -1,0 +1,26 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "gluevo/vo/dataset.h"
+#include "gluevo/vo/match_store.h"
+#include "network_options.h"
+
+namespace gluevo::apps {
+
+/// What is written into the file of --save-matches about the run.
+vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
+                            const Networks& networks);
+
+/// The stored run's method. Throws Error where --method asks for another one.
+std::string ReplayedMethod(const CLI::App& command, const vo::MatchStoreReader& store);
+
+/// Takes --start, --count and --stride from the stored run where the command gives none of them.
+void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& store, int& start,
+                          int& count, int& stride);
+
+/// Name and checksum of the weights of a network ("superpoint", "superglue") of the stored run.
+WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network);
+
+}  // namespace gluevo::apps

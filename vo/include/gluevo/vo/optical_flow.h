@@ -1,0 +1,39 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+namespace gluevo::vo {
+
+/// Pyramidal Lucas-Kanade (Bouguet 2001) with a check in both directions.
+struct FlowOptions {
+  /// Side of the patch that is followed, pixels.
+  int window = 21;
+  /// Coarser pyramid levels, forth and back.
+  int levels = 1;
+  int levels_back = 1;
+  /// A point followed forth and back must return this close to where it was, pixels.
+  double max_return_distance = 0.5;
+
+  /// Throws Error naming the option, which is called after `name`.
+  void Validate(const std::string& name) const;
+};
+
+/// An image in several sizes, with its derivatives, as following points in it wants it.
+using Pyramid = std::vector<cv::Mat>;
+/// `image`: CV_8UC1.
+Pyramid MakePyramid(const cv::Mat& image, int window, int levels);
+
+/// Where points of one image are in another, pixels, and which of them were found (else 0).
+struct Flow {
+  std::vector<cv::Point2f> pixels;
+  std::vector<unsigned char> found;
+};
+
+/// Follows `pixels` from one image to another; the search begins at `guesses`, one each. Pyramids
+/// of at least the options' window; where they have fewer levels, these.
+Flow FollowBothWays(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
+                    const std::vector<cv::Point2f>& guesses, const FlowOptions& options);
+
+}  // namespace gluevo::vo
