@@ -4,6 +4,7 @@
 
 #include "gluevo/vo/network_matcher.h"
 #include "gluevo/vo/superpoint_frontend.h"
+#include "option_defaults.h"
 
 namespace gluevo::apps {
 
@@ -60,16 +61,6 @@ void AddFrontEndOptions(CLI::App& command, FrontEndArguments& arguments) {
       ->capture_default_str()
       ->group(tuning);
   command
-      .add_option("--candidate-keypoints", arguments.candidates.max_keypoints,
-                  "At most so many keypoints of the right image, method superpoint")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--candidate-threshold", arguments.candidates.keypoint_threshold,
-                  "SuperPoint's score above which they are keypoints")
-      ->capture_default_str()
-      ->group(tuning);
-  command
       .add_option("--max-ratio", arguments.stereo.max_ratio,
                   "Of distances to nearest and second nearest descriptor, method superpoint")
       ->capture_default_str()
@@ -94,6 +85,14 @@ void AddFrontEndOptions(CLI::App& command, FrontEndArguments& arguments) {
       ->group(tuning);
 }
 
+void ApplyMethodDefaults(CLI::App& command, const FrontEndArguments& arguments) {
+  if (arguments.method == "superpoint") {
+    // Tracks need not lie on the strongest keypoints of the right image.
+    SetUnlessGiven(command, "--keypoint-threshold", "0.0005");
+    SetUnlessGiven(command, "--max-keypoints", "1500");
+  }
+}
+
 Networks LoadFrontEndNetworks(const FrontEndArguments& arguments) {
   if (arguments.method == "klt") {
     return {};
@@ -108,8 +107,7 @@ std::unique_ptr<vo::FrontEnd> MakeFrontEnd(const FrontEndArguments& arguments,
   if (arguments.method == "klt") {
     return std::make_unique<vo::KltFrontEnd>(rig, arguments.klt);
   }
-  nn::SuperPointOptions superpoint =
-      arguments.method == "superpoint" ? arguments.candidates : arguments.superpoint;
+  nn::SuperPointOptions superpoint = arguments.superpoint;
   superpoint.subpixel = arguments.refine == "subpixel";
   std::unique_ptr<vo::FeatureExtractor> extractor =
       vo::MakeSuperPointExtractor(networks.superpoint, superpoint, pool);

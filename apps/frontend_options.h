@@ -21,14 +21,16 @@ struct FrontEndArguments {
   NetworkOptions networks;
   nn::SuperPointOptions superpoint = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
   std::string refine = "lk";  ///< none, subpixel or lk.
-  /// Of the right image, method superpoint: tracks need not lie on the strongest keypoints.
-  nn::SuperPointOptions candidates = {.keypoint_threshold = 0.0005F, .max_keypoints = 1500};
   vo::LearnedFrontEndOptions learned;
   vo::SuperPointFrontEndOptions stereo;  ///< Its ratio; the rest is the others'.
   vo::KltOptions klt;
 };
 
 void AddFrontEndOptions(CLI::App& command, FrontEndArguments& arguments);
+
+/// Gives the command's options the method's own values where neither command line nor
+/// configuration gave any.
+void ApplyMethodDefaults(CLI::App& command, const FrontEndArguments& arguments);
 
 /// The networks that the front end runs; none for klt. Throws Error as LoadNetworks does.
 Networks LoadFrontEndNetworks(const FrontEndArguments& arguments);

@@ -22,6 +22,7 @@
 #include "gluevo/vo/match_store.h"
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/trajectory.h"
+#include "option_defaults.h"
 #include "progress.h"
 #include "report/run_report.h"
 #include "report/strip.h"
@@ -77,13 +78,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
 }
 
 // VINS-Fusion's constants for driving, where neither command line nor configuration says more.
-void ApplyDrivingPreset(const CLI::App& command, RunArguments& arguments) {
-  if (command.get_option("--klt-corners")->count() == 0) {
-    arguments.frontend.klt.max_corners = 200;
-  }
-  if (command.get_option("--keyframe-parallax")->count() == 0) {
-    arguments.estimator.keyframe_parallax_px = 15.0;
-  }
+void ApplyDrivingPreset(CLI::App& command) {
+  SetUnlessGiven(command, "--klt-corners", "200");
+  SetUnlessGiven(command, "--keyframe-parallax", "15");
 }
 
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
@@ -113,7 +110,7 @@ std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
   return timestamps_ns;
 }
 
-void Run(RunArguments arguments, const CLI::App& command) {
+void Run(RunArguments& arguments, CLI::App& command) {
   std::string method = arguments.frontend.method;
   std::optional<vo::MatchStoreReader> store;
   if (!arguments.replay.empty()) {
@@ -126,7 +123,7 @@ void Run(RunArguments arguments, const CLI::App& command) {
       vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
   if (dataset.format == vo::DatasetFormat::kKittiOdometry ||
       dataset.format == vo::DatasetFormat::kKittiRaw) {
-    ApplyDrivingPreset(command, arguments);
+    ApplyDrivingPreset(command);
   }
   nn::ThreadPool pool(arguments.frontend.networks.threads);
   cv::setNumThreads(pool.size());
@@ -243,6 +240,7 @@ void AddRunCommand(CLI::App& app) {
     if (!arguments->config.empty()) {
       ApplyYamlConfig(*command, arguments->config);
     }
+    ApplyMethodDefaults(*command, arguments->frontend);
     Run(*arguments, *command);
   });
 }
