@@ -128,12 +128,12 @@ std::string DrawMarks(const Chart& chart, const Axis& x_axis) {
   return path.empty() ? svg : svg + "<path class=\"ticks\" d=\"" + path + "\"/>";
 }
 
-std::string LegendEntry(const std::string& style, const std::string& name) {
+// `swatch` is what it looks like, in a field of 24 x 10.
+std::string LegendEntry(const std::string& swatch, const std::string& name) {
   return name.empty() ? ""
                       : "<span class=\"key\"><svg class=\"swatch\" viewBox=\"0 0 24 10\" "
-                        "aria-hidden=\"true\"><line class=\"" +
-                            style + "\" x1=\"1\" x2=\"23\" y1=\"5\" y2=\"5\"/></svg>" +
-                            Escape(name) + "</span>";
+                        "aria-hidden=\"true\">" +
+                            swatch + "</svg>" + Escape(name) + "</span>";
 }
 
 }  // namespace
@@ -180,10 +180,14 @@ std::string DrawChart(const Chart& chart) {
 
   std::string html = "<figure><figcaption><b>" + Escape(chart.title) + "</b>";
   for (const Series& series : chart.series) {
-    html += LegendEntry(series.style, chart.series.size() > 1 ? series.name : "");
+    html +=
+        LegendEntry("<line class=\"" + series.style + "\" x1=\"1\" x2=\"23\" y1=\"5\" y2=\"5\"/>",
+                    chart.series.size() > 1 ? series.name : "");
   }
-  html += LegendEntry("mark", chart.marks.empty() ? "" : chart.marks_name);
-  html += LegendEntry("ticks", chart.axis_ticks.empty() ? "" : chart.ticks_name);
+  html += LegendEntry("<line class=\"mark\" x1=\"12\" x2=\"12\" y1=\"0\" y2=\"10\"/>",
+                      chart.marks.empty() ? "" : chart.marks_name);
+  html += LegendEntry("<path class=\"ticks\" d=\"M7 8v-5m5 5v-5m5 5v-5\"/>",
+                      chart.axis_ticks.empty() ? "" : chart.ticks_name);
   html += "</figcaption><svg viewBox=\"0 0 " + Coordinate(kDrawingWidth) + " " +
           Coordinate(kHeight) + "\" role=\"img\" aria-label=\"" + Escape(chart.title) + "\">" +
           DrawGrid(chart, x_axis, y_axis);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include "markup.h"
 #include "sections.h"
@@ -45,6 +46,21 @@ std::vector<ChartMark> ResetMarks(const RunReport& report) {
     }
   }
   return marks;
+}
+
+std::vector<std::size_t> ErrorBreaks(const RunReport& report) {
+  std::unordered_map<int64_t, int> segment_of;
+  for (const vo::FrameResult& frame : report.frames) {
+    segment_of[frame.timestamp_ns] = frame.segment;
+  }
+  std::vector<std::size_t> breaks;
+  const std::vector<vo::PoseError>& errors = report.evaluation->errors;
+  for (std::size_t i = 1; i < errors.size(); ++i) {
+    if (segment_of[errors[i].timestamp_ns] != segment_of[errors[i - 1].timestamp_ns]) {
+      breaks.push_back(i);
+    }
+  }
+  return breaks;
 }
 
 std::vector<double> KeyframeTimes(const RunReport& report) {

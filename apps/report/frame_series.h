@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,10 @@ Series StageSeries(const RunReport& report, const std::string& name, const std::
 
 /// Where tracking was lost, for charts over time.
 std::vector<ChartMark> ResetMarks(const RunReport& report);
+
+/// Indices of the evaluation's errors whose poses belong to another segment than the one before.
+/// The report must have an evaluation.
+std::vector<std::size_t> ErrorBreaks(const RunReport& report);
 
 /// Times of the key frames, seconds from the first frame.
 std::vector<double> KeyframeTimes(const RunReport& report);

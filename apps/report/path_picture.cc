@@ -16,7 +16,8 @@ constexpr double kTop = 10.0;
 constexpr double kBottom = 44.0;
 constexpr double kLeastHeight = 70.0;  // of the plot
 constexpr double kMostHeight = 340.0;
-constexpr double kTickDistance = 55.0;
+constexpr double kXTickDistance = 55.0;  // at least
+constexpr double kYTickDistance = 28.0;
 
 // The range of an axis of the world on the page, centred in `pixels` at `scale` pixels a metre.
 Axis PlaceAxis(double low, double high, double scale, double begin, double end) {
@@ -65,8 +66,8 @@ class Drawing {
   std::string Grid() const {
     std::string svg;
     const double bottom = kTop + plot_height_;
-    const Ticks x_ticks =
-        RoundTicks(x_.low, x_.high, std::max(2, static_cast<int>((x_.end - x_.begin) / 55.0)));
+    const Ticks x_ticks = RoundTicks(
+        x_.low, x_.high, std::max(2, static_cast<int>((x_.end - x_.begin) / kXTickDistance)));
     for (const double value : x_ticks.values) {
       const std::string x = Coordinate(x_.Place(value));
       svg += "<line class=\"grid\" x1=\"" + x + "\" x2=\"" + x + "\" y1=\"" + Coordinate(kTop) +
@@ -74,8 +75,8 @@ class Drawing {
              Coordinate(bottom + 18.0) + "\">" +
              Fixed(picture_.across.sign * value, x_ticks.decimals) + "</text>";
     }
-    const Ticks y_ticks = RoundTicks(
-        y_.low, y_.high, std::max(2, static_cast<int>(plot_height_ / (0.6 * kTickDistance))));
+    const Ticks y_ticks =
+        RoundTicks(y_.low, y_.high, std::max(3, static_cast<int>(plot_height_ / kYTickDistance)));
     for (const double value : y_ticks.values) {
       const std::string y = Coordinate(y_.Place(value));
       svg += "<line class=\"grid\" x1=\"" + Coordinate(kLeft) + "\" x2=\"" +
@@ -179,7 +180,7 @@ std::string DrawPathPicture(const PathPicture& picture) {
          Drawing(picture).Svg() + "</figure>\n";
 }
 
-std::string ColorScale(double most, const std::string& label) {
+std::string ColorScale(double most, const std::string& label, const std::string& unit) {
   constexpr double kWidth = 220.0;
   constexpr double kStep = kWidth / kColors;
   std::string html = "<p class=\"scale\"><svg viewBox=\"0 0 220 12\" aria-hidden=\"true\">";
@@ -189,7 +190,8 @@ std::string ColorScale(double most, const std::string& label) {
   }
   const int decimals =
       most > 0.0 ? std::clamp(2 - static_cast<int>(std::floor(std::log10(most))), 0, 9) : 0;
-  return html + "</svg> " + Escape(label) + ", 0 to " + Fixed(most, decimals) + "</p>\n";
+  return html + "</svg> " + Escape(label) + ": 0 to " + Fixed(most, decimals) + " " + Escape(unit) +
+         "</p>\n";
 }
 
 }  // namespace gluevo::apps

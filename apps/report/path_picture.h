@@ -46,7 +46,7 @@ struct PathPicture {
 /// most a few per pixel.
 std::string DrawPathPicture(const PathPicture& picture);
 
-/// The colours with the values that they stand for, from 0 to `most`, as HTML.
-std::string ColorScale(double most, const std::string& label);
+/// The colours with the values that they stand for, from 0 to `most` of the unit, as HTML.
+std::string ColorScale(double most, const std::string& label, const std::string& unit);
 
 }  // namespace gluevo::apps

@@ -1,8 +1,8 @@
 #include "path_views.h"
 
 #include <algorithm>
-#include <unordered_map>
 
+#include "frame_series.h"
 #include "markup.h"
 #include "sections.h"
 
@@ -123,18 +123,8 @@ PathViews AlignedViews(const RunReport& report, bool with_scale) {
 
 PathPicture ErrorView(const RunReport& report, bool with_scale, double most) {
   const Stage stage = StageOf(report);
-  std::unordered_map<int64_t, int> segment_of;
-  for (const vo::FrameResult& frame : report.frames) {
-    segment_of[frame.timestamp_ns] = frame.segment;
-  }
-  Path path{"", {}, {}, {}};
-  int segment = 0;
+  Path path{"", {}, ErrorBreaks(report), {}};
   for (const vo::PoseError& error : report.evaluation->errors) {
-    const int of_this = segment_of.at(error.timestamp_ns);
-    if (!path.points.empty() && of_this != segment) {
-      path.breaks.push_back(path.points.size());
-    }
-    segment = of_this;
     path.points.push_back(with_scale ? error.sim3 : error.se3);
     path.values.push_back(with_scale ? error.sim3_m : error.se3_m);
   }

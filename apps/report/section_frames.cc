@@ -115,7 +115,8 @@ std::string TimesSection(const RunReport& report) {
             Coordinate(100.0 * median / most) + "\" height=\"10\"/></svg>";
   }
   html +=
-      "</tbody></table><p>Front end holds the networks\u2019 stages; total holds all.</p></div>";
+      "</tbody></table><p>\u201Cfrontend\u201D contains the stages of its own that stand above it, "
+      "\u201Ctotal\u201D everything.</p></div>";
   const Chart chart{.title = "Time a frame",
                     .x_label = "time in the sequence, s",
                     .y_label = "ms",
@@ -134,7 +135,7 @@ std::string StripSection(const RunReport& report) {
     return "";
   }
   return "<section><h2>Frames</h2>\n<p>Lines in the left image lead from a track\u2019s place in "
-         "the frame before to its present one (dot); hollow dots were not in the frame before. "
+         "the frame before to its present one (dot); pale dots were not in the frame before. "
          "Lines in the right image lead from the place in the left image to the match.</p>\n" +
          DrawStrip(report.strip, report.frames.empty() ? 0 : report.frames.front().timestamp_ns) +
          "</section>\n";

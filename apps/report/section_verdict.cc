@@ -22,7 +22,18 @@ std::string Metres(double value) {
   return Fixed(value, decimals);
 }
 
+// Long paths may wrap between their folders.
+std::string BreakableAtSlashes(const std::string& path) {
+  std::string html;
+  for (const char c : Escape(path)) {
+    html += c;
+    html += c == '/' ? "<wbr>" : "";
+  }
+  return html;
+}
+
 std::string ErrorTiles(const vo::Evaluation& evaluation) {
+  const vo::EvaluationOptions bounds;  // gluevo run evaluates with the defaults
   return Tile("ATE, SE(3)", Metres(evaluation.ate_se3_m), "m", "aligned, not scaled") +
          Tile("ATE, Sim(3)", Metres(evaluation.ate_sim3_m), "m", "aligned and scaled") +
          Tile("Scale", Fixed(evaluation.scale, 4), "", "truth over estimate") +
@@ -31,7 +42,10 @@ std::string ErrorTiles(const vo::Evaluation& evaluation) {
          Tile("Right motions",
               std::to_string(evaluation.right_motions) + "<small> of " +
                   std::to_string(evaluation.pairs - 1) + "</small>",
-              "", "within 0.1 m and 2\u00B0", evaluation.right_motions + 1 < evaluation.pairs) +
+              "",
+              "within " + Fixed(bounds.right_motion_m, 1) + " m and " +
+                  Fixed(bounds.right_motion_deg, 0) + "\u00B0",
+              evaluation.right_motions + 1 < evaluation.pairs) +
          Tile("Coverage", Fixed(100.0 * evaluation.coverage, 1), "%", "of the truth\u2019s time");
 }
 
@@ -58,7 +72,7 @@ std::string VerdictSection(const RunReport& report) {
   const int resets = report.frames.empty() ? 0 : report.frames.back().segment;
   const auto frames = static_cast<double>(report.frames.size());
   std::string html =
-      "<header><p class=\"kind\">gluevo run</p><h1>" + Escape(report.dataset) +
+      "<header><p class=\"kind\">gluevo run</p><h1>" + BreakableAtSlashes(report.dataset) +
       "</h1><p>Method <b>" + Escape(report.method) + "</b>, " +
       std::to_string(report.frames.size()) + " stereo frames" +
       (report.frames.empty()

@@ -23,7 +23,7 @@ h1{font-size:1.5rem;line-height:1.25;margin:0 0 2px;overflow-wrap:anywhere}
 h2{font-size:1.2rem;margin:40px 0 6px;padding-top:14px;border-top:1px solid var(--grid)}
 h3{font-size:1rem;margin:8px 0 4px}
 p{margin:6px 0}
-.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(135px,1fr));gap:10px;margin:16px 0}
+.tiles{display:grid;grid-template-columns:repeat(auto-fit,minmax(165px,1fr));gap:10px;margin:16px 0}
 .tile{background:var(--card);border-radius:8px;padding:9px 12px}
 .tile dt{color:var(--muted);font-size:.85rem}
 .tile dd{margin:0;font-size:1.45rem;font-weight:600;line-height:1.3;font-variant-numeric:tabular-nums}
@@ -89,7 +89,7 @@ code{font:.85em ui-monospace,monospace;overflow-wrap:anywhere}
 .dot.end{stroke:#ffd54a;stroke-width:3}
 .dot.new{stroke:#fff;stroke-opacity:.8;stroke-width:2.2}
 @media (max-width:700px){.columns,.strip{grid-template-columns:minmax(0,1fr)}
-main{padding:14px 12px 40px}.tiles{grid-template-columns:repeat(auto-fit,minmax(120px,1fr));gap:8px}}
+main{padding:14px 12px 40px}.tiles{grid-template-columns:repeat(auto-fit,minmax(140px,1fr));gap:8px}}
 )css";
 
 }  // namespace gluevo::apps
