@@ -26,7 +26,7 @@ void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options) {
       .add_option(
           "--right-turn-mrad", options.right_turn_mrad,
           "How well the calibration knows the right camera's orientation, milliradians; it "
-          "is refined within that; 0: not at all. Default: 0.2, with klt and superpoint 0.1")
+          "is refined within that; 0: not at all. Default: 0.15, with klt and superpoint 0.1")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
 }

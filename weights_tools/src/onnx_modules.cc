@@ -7,6 +7,8 @@
 #include <string_view>
 #include <utility>
 
+#include "onnx_checks.h"
+
 namespace gluevo::weights_tools {
 namespace {
 
@@ -42,27 +44,6 @@ bool Same(const OnnxLinear& a, const OnnxLinear& b) {
          (!a.bias || Same(*a.bias, *b.bias));
 }
 
-void CheckConvolution(const OnnxNode& node, const Tensor<float>& weight) {
-  const auto all = [&node](const char* name, int64_t wanted) {
-    const auto found = node.attributes.find(name);
-    return found == node.attributes.end() ||
-           std::all_of(found->second.integers.begin(), found->second.integers.end(),
-                       [wanted](int64_t value) { return value == wanted; });
-  };
-  const int rank = weight.shape().rank();
-  const int64_t kernel = rank > 2 ? weight.extent(2) : 1;
-  const auto mode = node.attributes.find("auto_pad");
-  const bool same_pad = mode != node.attributes.end() && mode->second.text.starts_with("SAME");
-  const bool padded =
-      kernel == 1 || same_pad || (node.attributes.contains("pads") && all("pads", kernel / 2));
-  if ((rank != 3 && rank != 4) || node.Integer("group", 1) != 1 || !all("strides", 1) ||
-      !all("dilations", 1) || !padded || (kernel == 1 && !all("pads", 0))) {
-    node.message.Fail(0, "the convolution " + Quoted(node.name) +
-                             " has groups, strides, dilations or a padding that neither SuperPoint "
-                             "nor SuperGlue has");
-  }
-}
-
 /// Goes through the nodes in their order and gathers.
 class Finder {
  public:
@@ -84,25 +65,10 @@ class Finder {
   };
 
   void Visit(const OnnxNode& node) {
-    if (SeenBefore(node)) {
+    if (node.outputs.empty() || SeenBefore(node)) {
       return;
     }
-    static const std::set<std::string_view> kOtherWeights = {"ConvInteger",
-                                                             "MatMulInteger",
-                                                             "ConvTranspose",
-                                                             "com.microsoft.FusedConv",
-                                                             "com.microsoft.FusedMatMul",
-                                                             "com.microsoft.FusedGemm",
-                                                             "com.microsoft.nchwc.Conv"};
-    if (node.outputs.empty()) {
-      return;
-    }
-    if (kOtherWeights.contains(node.op)) {
-      node.message.Fail(0, "the model has a " + node.op +
-                               ", which is not read: expected Conv, Gemm and MatMul, plain or "
-                               "quantised statically; convert the model as it was exported, before "
-                               "anything optimised or quantised it");
-    }
+    CheckKnownWeights(node);
     if (node.op == "Conv") {
       VisitConvolution(node);
     } else if (node.op == "Gemm") {
@@ -123,7 +89,7 @@ class Finder {
   // Layers that run for both images: the same weights once more, whose values need not be made
   // again.
   bool SeenBefore(const OnnxNode& node) {
-    if (node.outputs.empty() || (node.op != "Conv" && node.op != "Gemm")) {
+    if (node.op != "Conv" && node.op != "Gemm") {
       return false;
     }
     std::string key = node.op;
@@ -251,7 +217,7 @@ class Finder {
       if (const std::optional<OnnxConstant> added = constants_.Get(node.inputs[1 - side])) {
         const auto& bias = linears_[static_cast<std::size_t>(origin.linear)].bias;
         if (!bias || !SameValues(*bias, added->values)) {
-          RefuseConstants(node);
+          RefuseConstantsBehindLayer(node);
         }
         origins_[node.outputs[0]] = origin;
       }
@@ -264,17 +230,10 @@ class Finder {
       if (OriginOf(node, i).linear >= 0) {
         const std::optional<OnnxConstant> factor = constants_.Get(node.inputs[1 - i]);
         if (factor && factor->values.size() > 1) {
-          RefuseConstants(node);
+          RefuseConstantsBehindLayer(node);
         }
       }
     }
-  }
-
-  [[noreturn]] static void RefuseConstants(const OnnxNode& node) {
-    node.message.Fail(0, "the " + node.op + " " + Quoted(node.name) +
-                             " puts constants behind a layer that are neither its bias nor a batch "
-                             "norm: convert the model as it was exported, before anything "
-                             "optimised it");
   }
 
   void PassThrough(const OnnxNode& node) {

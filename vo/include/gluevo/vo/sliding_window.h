@@ -44,7 +44,7 @@ struct SlidingWindowOptions {
   /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
   /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
   /// much the same in the next, so that many frames agree on more than they know.
-  double right_turn_sigma = 2e-4;
+  double right_turn_sigma = 1.5e-4;
   /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
   bool marginalize = true;
   TriangulationOptions triangulation;
