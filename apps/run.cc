@@ -167,7 +167,9 @@ void Run(RunArguments& arguments, CLI::App& command) {
       if (saved) {
         saved->Add(result.tracked_frame);
       }
-      strip.Add(result, [&] { return reads_images ? frame : dataset.Read(i); });
+      if (reads_images) {
+        strip.Add(result, [&] { return frame; });
+      }
       if (map) {
         map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
       }
