@@ -38,8 +38,14 @@ StripRecorder::StripRecorder(std::size_t frames) : count_(frames) {}
 // The middles of as many equal stretches of the run.
 bool StripRecorder::IsChosen() const {
   const std::size_t stretches = std::min(kSpread, count_);
-  const std::size_t stretch = stretches == 0 ? 0 : index_ * stretches / count_;
-  return stretches > 0 && index_ == (2 * stretch + 1) * count_ / (2 * stretches);
+  if (stretches == 0) {
+    return false;
+  }
+  const auto begin = [&](std::size_t stretch) {
+    return (stretch * count_ + stretches - 1) / stretches;
+  };
+  const std::size_t stretch = index_ * stretches / count_;
+  return index_ == (begin(stretch) + begin(stretch + 1) - 1) / 2;
 }
 
 void StripRecorder::Add(const vo::FrameResult& result,

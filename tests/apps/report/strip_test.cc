@@ -80,7 +80,7 @@ TEST(StripRecorderTest, ShowsMotionNewTracksAndStereo) {
 TEST(StripRecorderTest, KeepsTheFirstFramesThatLostTracking) {
   StripRecorder recorder(100);
   for (int i = 0; i < 100; ++i) {
-    recorder.Add(Result(i, i / 9), [] { return Frame(100); });
+    recorder.Add(Result(i, i / 10), [] { return Frame(100); });
   }
   std::vector<std::size_t> resets;
   for (const StripFrame& frame : recorder.frames()) {
@@ -88,7 +88,7 @@ TEST(StripRecorderTest, KeepsTheFirstFramesThatLostTracking) {
       resets.push_back(frame.index);
     }
   }
-  EXPECT_EQ(resets, (std::vector<std::size_t>{9, 18, 27, 36}));
+  EXPECT_EQ(resets, (std::vector<std::size_t>{10, 20, 30, 40}));
   EXPECT_LE(recorder.frames().size(), 12U);
 }
 
