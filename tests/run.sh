@@ -7,6 +7,8 @@ cd "$(dirname "$0")/.."
 mapfile -t packages < cmake/packages.txt
 bash cmake/install_packages.sh "${packages[@]}" chromium clang-format colmap git \
   libbenchmark-dev libgtest-dev
+# What another checkout of the repo has compiled need not be compiled again.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 cmake --preset dev >/dev/null
 cmake --build --preset dev
 ctest --preset dev --output-on-failure -j "$(nproc)" "$@"

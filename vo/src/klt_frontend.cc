@@ -4,10 +4,10 @@
 #include <chrono>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 #include <string>
 #include <utility>
 
+#include "gluevo/vo/optical_flow.h"
 #include "options_check.h"
 
 namespace gluevo::vo {
@@ -18,46 +18,22 @@ double MsSince(std::chrono::steady_clock::time_point start) {
       .count();
 }
 
-std::vector<cv::Mat> Pyramid(const cv::Mat& image, const KltOptions& options) {
-  std::vector<cv::Mat> pyramid;
-  cv::buildOpticalFlowPyramid(image, pyramid, {options.window, options.window}, options.levels);
-  return pyramid;
-}
-
 bool IsInside(const cv::Point2f& pixel, const cv::Size& size, int border) {
   return pixel.x >= border && pixel.y >= border && pixel.x < size.width - border &&
          pixel.y < size.height - border;
 }
 
-/// Where points of one image are in another, and which of them were found: forth and back.
-struct Flow {
-  std::vector<cv::Point2f> pixels;
-  std::vector<uchar> found;
-};
-
-Flow FollowBothWays(const std::vector<cv::Mat>& from, const std::vector<cv::Mat>& to,
-                    const std::vector<cv::Point2f>& pixels, const std::vector<cv::Point2f>& guesses,
-                    const KltOptions& options) {
-  Flow flow{guesses, {}};
-  if (pixels.empty()) {
-    return flow;
-  }
-  const cv::Size window(options.window, options.window);
-  const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
-  std::vector<float> errors;
-  cv::calcOpticalFlowPyrLK(from, to, pixels, flow.pixels, flow.found, errors, window,
-                           options.levels, criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
+Flow FollowCorners(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
+                   const std::vector<cv::Point2f>& guesses, const KltOptions& options) {
   // On the way back the search starts at the answer: one level less coarse is enough to tell
   // whether the point returns.
-  std::vector<cv::Point2f> returned = pixels;
-  std::vector<uchar> found_back;
-  cv::calcOpticalFlowPyrLK(to, from, flow.pixels, returned, found_back, errors, window, 1, criteria,
-                           cv::OPTFLOW_USE_INITIAL_FLOW);
+  constexpr int kLevelsBack = 1;
+  Flow flow =
+      FollowBothWays(from, to, pixels, guesses,
+                     {options.window, options.levels, kLevelsBack, options.max_return_distance});
   for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const cv::Point2f miss = returned[i] - pixels[i];
-    flow.found[i] = flow.found[i] != 0 && found_back[i] != 0 &&
-                    IsInside(flow.pixels[i], to.front().size(), options.border) &&
-                    miss.dot(miss) <= options.max_return_distance * options.max_return_distance;
+    flow.found[i] =
+        flow.found[i] != 0 && IsInside(flow.pixels[i], to.front().size(), options.border);
   }
   return flow;
 }
@@ -97,28 +73,30 @@ TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   TrackedFrame result;
   result.timestamp_ns = frame.timestamp_ns;
   auto start = std::chrono::steady_clock::now();
-  std::vector<cv::Mat> left = Pyramid(frame.images[0], options_);
+  Pyramid left = MakePyramid(frame.images[0], options_.window, options_.levels);
   Follow(left);
   result.stages_ms["klt_track"] = MsSince(start);
   start = std::chrono::steady_clock::now();
   AddCorners(frame.images[0]);
   result.stages_ms["klt_detect"] = MsSince(start);
   start = std::chrono::steady_clock::now();
-  MatchStereo(left, options_.stereo ? Pyramid(frame.images[1], options_) : std::vector<cv::Mat>(),
-              result);
+  MatchStereo(
+      left,
+      options_.stereo ? MakePyramid(frame.images[1], options_.window, options_.levels) : Pyramid(),
+      result);
   result.stages_ms["klt_stereo"] = MsSince(start);
   last_pyramid_ = std::move(left);
   return result;
 }
 
-void KltFrontEnd::Follow(const std::vector<cv::Mat>& pyramid) {
+void KltFrontEnd::Follow(const Pyramid& pyramid) {
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
     guesses.push_back(options_.predict ? track.pixel + track.motion : track.pixel);
   }
-  const Flow flow = FollowBothWays(last_pyramid_, pyramid, pixels, guesses, options_);
+  const Flow flow = FollowCorners(last_pyramid_, pyramid, pixels, guesses, options_);
   std::vector<Corner> before;
   std::vector<Corner> after;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -187,13 +165,13 @@ void KltFrontEnd::AddCorners(const cv::Mat& image) {
   }
 }
 
-void KltFrontEnd::MatchStereo(const std::vector<cv::Mat>& left, const std::vector<cv::Mat>& right,
+void KltFrontEnd::MatchStereo(const Pyramid& left, const Pyramid& right,
                               TrackedFrame& result) const {
   std::vector<cv::Point2f> pixels;
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
   }
-  const Flow flow = options_.stereo ? FollowBothWays(left, right, pixels, pixels, options_)
+  const Flow flow = options_.stereo ? FollowCorners(left, right, pixels, pixels, options_)
                                     : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Observation observation;

@@ -7,6 +7,7 @@
 #include "gluevo/vo/camera.h"
 #include "gluevo/vo/epipolar.h"
 #include "gluevo/vo/frontend.h"
+#include "gluevo/vo/optical_flow.h"
 
 namespace gluevo::vo {
 
@@ -55,17 +56,16 @@ class KltFrontEnd final : public FrontEnd {
     cv::Point2f motion = {};  // pixels, since the frame before
   };
 
-  void Follow(const std::vector<cv::Mat>& pyramid);
+  void Follow(const Pyramid& pyramid);
   void RejectByFundamental(const std::vector<Corner>& before);
   void AddCorners(const cv::Mat& image);
-  void MatchStereo(const std::vector<cv::Mat>& left, const std::vector<cv::Mat>& right,
-                   TrackedFrame& result) const;
+  void MatchStereo(const Pyramid& left, const Pyramid& right, TrackedFrame& result) const;
 
   StereoRig rig_;
   EpipolarCheck epipolar_;
   KltOptions options_;
   std::vector<Corner> tracks_;
-  std::vector<cv::Mat> last_pyramid_;  // of the left image
+  Pyramid last_pyramid_;  // of the left image
   int64_t next_id_ = 0;
 };
 
