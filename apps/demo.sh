@@ -14,10 +14,4 @@ gluevo=build/release/apps/gluevo
 if [ ! -d build/demo/hall ]; then
   "$gluevo" simulate -o build/demo/hall --path hall_loop --duration 20
 fi
-
-list=apps/experiments/demo.yaml
-if ! "$gluevo" run --help | grep -Eq -- '--method TEXT:\{[^}]*superpoint'; then
-  list=build/demo/demo.yaml
-  sed 's/superpoint, //' apps/experiments/demo.yaml >"$list"
-fi
-"$gluevo" experiment "$list" --data build/demo -o build/demo/results
+"$gluevo" experiment apps/experiments/demo.yaml -o build/demo/results

@@ -325,10 +325,6 @@ TEST_F(ExperimentTest, RefusesWhatItDoesNotUnderstand) {
 }
 
 TEST_F(ExperimentTest, TheReadyListsAreValid) {
-  if (Run("run --help").out.find("superpoint,") == std::string::npos &&
-      Run("run --help").out.find(",superpoint") == std::string::npos) {
-    GTEST_SKIP() << "this build has no method superpoint";
-  }
   for (const char* const name : {"demo.yaml", "paper.yaml", "shared.yaml"}) {
     const fs::path file = fs::path(GLUEVO_SOURCE_DIR) / "apps" / "experiments" / name;
     const Outcome outcome = Run("experiment " + file.string() + " -o " + Path("out") +
