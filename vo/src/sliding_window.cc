@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include "options_check.h"
@@ -41,9 +40,6 @@ void SlidingWindowOptions::Validate() const {
 
 SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options)
     : rig_(rig), calibrated_body_from_right_(rig.body_from_cam[1].rotation), options_(options) {
-  if (const char* e = std::getenv("G_NOISE")) options_.noise = std::atof(e) / 460.0;
-  if (const char* e = std::getenv("G_NEW")) options_.max_new_share = std::atof(e);
-  if (const char* e = std::getenv("G_LONG")) options_.min_long_tracked = std::atoi(e);
   options_.Validate();
 }
 

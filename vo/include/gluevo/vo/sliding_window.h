@@ -12,6 +12,7 @@
 #include "gluevo/vo/camera.h"
 #include "gluevo/vo/frontend.h"
 #include "gluevo/vo/pnp.h"
+#include "gluevo/vo/pose_manifold.h"
 #include "gluevo/vo/pose_prior.h"
 #include "gluevo/vo/rigid3.h"
 #include "gluevo/vo/triangulation.h"
@@ -126,6 +127,12 @@ class SlidingWindow {
     int observations = 1;  // dropped views included
   };
   using Landmarks = std::map<int64_t, Landmark>;
+  // Where residuals are taken and where their derivatives are, one pose a frame, and what lies
+  // between the two, by the tangents of the whole state.
+  struct Linearization {
+    std::vector<PoseParameters> present, first_estimates;
+    Eigen::VectorXd delta;
+  };
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {
@@ -144,8 +151,9 @@ class SlidingWindow {
   /// tracked, and removes them. Those that are tracked on keep their other views and so must not
   /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
   void MarginalizeOldest();
-  void AddToMarginalizer(const Landmark& landmark, Marginalizer& marginalizer,
-                         const PosePrior& linearization) const;
+  Linearization LinearizeAt(const PosePrior& prior) const;
+  void AddToMarginalizer(const Landmark& landmark, const Linearization& at,
+                         Marginalizer& marginalizer) const;
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
