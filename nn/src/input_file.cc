@@ -16,6 +16,9 @@ InputFile ReadInputFile(const std::filesystem::path& path) {
   if (!std::filesystem::exists(status)) {
     throw Error(path.string() + ": there is no such file");
   }
+  if (std::filesystem::is_directory(status)) {
+    throw Error(path.string() + ": is a folder, expected a file");
+  }
   if (!std::filesystem::is_regular_file(status)) {
     throw Error(path.string() + ": is not a file");
   }
