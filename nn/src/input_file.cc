@@ -9,6 +9,12 @@
 #include "gluevo/nn/error.h"
 
 namespace gluevo::nn {
+namespace {
+
+// Weights are of tens of megabytes, with what training adds of some hundreds.
+constexpr uint64_t kLargestFile = uint64_t{4} << 30;
+
+}  // namespace
 
 InputFile ReadInputFile(const std::filesystem::path& path) {
   std::error_code code;
@@ -26,6 +32,10 @@ InputFile ReadInputFile(const std::filesystem::path& path) {
   const uint64_t size = stream ? std::filesystem::file_size(path, code) : 0;
   if (!stream || code) {
     throw Error(path.string() + ": cannot be read");
+  }
+  if (size > kLargestFile) {
+    throw Error(path.string() + ": is of " + std::to_string(size) + " bytes, at most " +
+                std::to_string(kLargestFile) + " are read");
   }
   InputFile file{std::make_unique_for_overwrite<char[]>(size), size};
   stream.read(file.data.get(), static_cast<std::streamsize>(size));

@@ -188,6 +188,17 @@ TEST_F(WeightsTest, RefusesWhatIsNoFile) {
       (folder_ / "empty").string() + ": byte 0: the file is empty, expected .safetensors or .npz");
 }
 
+TEST_F(WeightsTest, RefusesFilesTooLargeToBeWeights) {
+  std::ofstream(folder_ / "large").flush();
+  std::error_code code;
+  fs::resize_file(folder_ / "large", (uint64_t{4} << 30) + 1, code);
+  if (code) {
+    GTEST_SKIP() << "there is no place for a file with a hole: " << code.message();
+  }
+  EXPECT_EQ(MessageOf([&] { ReadWeights(folder_ / "large"); }),
+            (folder_ / "large").string() + ": is of 4294967297 bytes, at most 4294967296 are read");
+}
+
 TEST_F(WeightsTest, QuotedTextIsPrintableAndShort) {
   EXPECT_EQ(Quoted("conv1a.weight"), "\"conv1a.weight\"");
   EXPECT_EQ(Quoted("a\n\"\\\xff"), "\"a\\x0a\\x22\\x5c\\xff\"");
