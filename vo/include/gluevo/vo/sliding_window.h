@@ -24,7 +24,7 @@ struct SlidingWindowOptions {
   int size = 11;
   /// Standard deviation of a keypoint, normalised plane: half a pixel, as optical flow and refined
   /// matches have it. VINS-Fusion takes 1.5 px; with that the robust loss takes errors of a pixel
-  /// for noise, and drift is about a third larger on all data here.
+  /// for noise, and drift is larger. (PnP, which judges matches that may be worse, has its own.)
   double noise = 0.5 / 460.0;
   /// Huber threshold of the reprojection residuals, in standard deviations.
   double huber = 1.0;
@@ -85,8 +85,9 @@ class SlidingWindow {
     std::size_t observation = 0;  ///< Index into TrackedFrame::observations.
     PnpObservation pnp;
   };
-  /// Those observations of `frame` whose landmarks have a depth.
-  std::vector<Correspondence> Correspond(const TrackedFrame& frame) const;
+  /// Those observations of `frame` whose landmarks have a depth, and how well they know it where
+  /// keypoints have a standard deviation of `noise` on the normalised plane.
+  std::vector<Correspondence> Correspond(const TrackedFrame& frame, double noise) const;
 
   /// Adds the newest frame and decides whether it is a key frame. `verdicts`, one an observation
   /// where known: an outlier starts a new landmark instead of spoiling the old one, a wrong right
@@ -141,7 +142,9 @@ class SlidingWindow {
   /// Calls visit(cam_from_anchor_cam, observed) for every view, left and right, of a landmark.
   template <typename Visitor>
   void ForEachView(const Landmark& landmark, Visitor visit) const;
+  /// Without its uncertainty.
   AnchoredPoint ToAnchoredPoint(const Landmark& landmark) const;
+  double InverseDepthSigma(const Landmark& landmark, double noise) const;
   void DecideKeyframe(std::size_t new_tracks);
   double MeanParallax(int64_t frame_id0, int64_t frame_id1) const;
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
