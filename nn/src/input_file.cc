@@ -9,12 +9,21 @@
 #include "gluevo/nn/error.h"
 
 namespace gluevo::nn {
+namespace {
+
+// Weights are of tens of megabytes, with what training adds of some hundreds.
+constexpr uint64_t kLargestFile = uint64_t{4} << 30;
+
+}  // namespace
 
 InputFile ReadInputFile(const std::filesystem::path& path) {
   std::error_code code;
   const std::filesystem::file_status status = std::filesystem::status(path, code);
   if (!std::filesystem::exists(status)) {
     throw Error(path.string() + ": there is no such file");
+  }
+  if (std::filesystem::is_directory(status)) {
+    throw Error(path.string() + ": is a folder, expected a file");
   }
   if (!std::filesystem::is_regular_file(status)) {
     throw Error(path.string() + ": is not a file");
@@ -23,6 +32,10 @@ InputFile ReadInputFile(const std::filesystem::path& path) {
   const uint64_t size = stream ? std::filesystem::file_size(path, code) : 0;
   if (!stream || code) {
     throw Error(path.string() + ": cannot be read");
+  }
+  if (size > kLargestFile) {
+    throw Error(path.string() + ": is of " + std::to_string(size) + " bytes, at most " +
+                std::to_string(kLargestFile) + " are read");
   }
   InputFile file{std::make_unique_for_overwrite<char[]>(size), size};
   stream.read(file.data.get(), static_cast<std::streamsize>(size));

@@ -29,9 +29,23 @@ class Unfinished {
 
 }  // namespace
 
+std::filesystem::path PlaceForFile(const std::filesystem::path& path) {
+  std::error_code code;
+  const std::filesystem::file_status status = std::filesystem::status(path, code);
+  if (std::filesystem::is_directory(status)) {
+    throw Error(path.string() + ": cannot be written: is a folder");
+  }
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
+    throw Error(path.string() + ": cannot be written: is a device or a pipe, expected a file");
+  }
+  const std::filesystem::path target = std::filesystem::canonical(path, code);
+  return code ? path : target;
+}
+
 void WriteWholeFile(const std::filesystem::path& path,
                     const std::function<void(std::ostream&)>& write) {
-  std::filesystem::path beside = path;
+  const std::filesystem::path place = PlaceForFile(path);
+  std::filesystem::path beside = place;
   // The process id keeps two programs that write the same file apart.
   beside += ".unfinished-" + std::to_string(getpid());
   std::ofstream stream(beside, std::ios::binary | std::ios::trunc);
@@ -45,7 +59,7 @@ void WriteWholeFile(const std::filesystem::path& path,
     throw Error(path.string() + ": cannot be written: " + std::generic_category().message(errno));
   }
   std::error_code code;
-  std::filesystem::rename(beside, path, code);
+  std::filesystem::rename(beside, place, code);
   if (code) {
     throw Error(path.string() + ": cannot be written: " + code.message());
   }

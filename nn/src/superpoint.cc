@@ -63,7 +63,8 @@ SuperPoint::~SuperPoint() = default;
 SuperPoint::SuperPoint(const Weights& weights, Isa isa) : kernels_(&kernels::KernelsFor(isa)) {
   if (!weights.Has("conv1a.weight")) {
     throw Error(weights.source + ": not the weights of a SuperPoint: no tensor conv1a.weight" +
-                (weights.Has("kenc.encoder.0.weight") ? " (these are a SuperGlue's)" : ""));
+                (weights.Has("kenc.encoder.0.weight") ? " (these are a SuperGlue's)"
+                                                      : " (gluevo-weights converts other forms)"));
   }
   int64_t channels = 1;
   for (const char* const name : kTrunkNames) {

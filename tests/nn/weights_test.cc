@@ -1,6 +1,7 @@
 #include "gluevo/nn/weights.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -154,14 +155,48 @@ TEST_F(WeightsTest, AWriterThatFailsLeavesTheOldFile) {
   EXPECT_EQ(CountFiles(), 1U);
 }
 
+TEST_F(WeightsTest, AFileTakesThePlaceOfFilesOnly) {
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_EQ(MessageOf([&] { WriteSafetensors(pipe, Example()); }),
+            pipe.string() + ": cannot be written: is a device or a pipe, expected a file");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(MessageOf([&] { WriteSafetensors(folder_, Example()); }),
+            folder_.string() + ": cannot be written: is a folder");
+  EXPECT_EQ(CountFiles(), 1U);
+}
+
+TEST_F(WeightsTest, LinksStayAndWhatTheyPointToIsWritten) {
+  const fs::path link = folder_ / "link";
+  const fs::path file = folder_ / "file";
+  std::ofstream(file) << "old";
+  fs::create_symlink("file", link);
+  WriteWholeFile(link, [](std::ostream& stream) { stream << "new"; });
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(ReadFile(file), "new");
+  EXPECT_EQ(CountFiles(), 2U);
+}
+
 TEST_F(WeightsTest, RefusesWhatIsNoFile) {
   EXPECT_EQ(MessageOf([&] { ReadWeights(folder_ / "no"); }),
             (folder_ / "no").string() + ": there is no such file");
-  EXPECT_EQ(MessageOf([&] { ReadWeights(folder_); }), folder_.string() + ": is not a file");
+  EXPECT_EQ(MessageOf([&] { ReadWeights(folder_); }),
+            folder_.string() + ": is a folder, expected a file");
   std::ofstream(folder_ / "empty").flush();
   EXPECT_EQ(
       MessageOf([&] { ReadWeights(folder_ / "empty"); }),
       (folder_ / "empty").string() + ": byte 0: the file is empty, expected .safetensors or .npz");
+}
+
+TEST_F(WeightsTest, RefusesFilesTooLargeToBeWeights) {
+  std::ofstream(folder_ / "large").flush();
+  std::error_code code;
+  fs::resize_file(folder_ / "large", (uint64_t{4} << 30) + 1, code);
+  if (code) {
+    GTEST_SKIP() << "there is no place for a file with a hole: " << code.message();
+  }
+  EXPECT_EQ(MessageOf([&] { ReadWeights(folder_ / "large"); }),
+            (folder_ / "large").string() + ": is of 4294967297 bytes, at most 4294967296 are read");
 }
 
 TEST_F(WeightsTest, QuotedTextIsPrintableAndShort) {

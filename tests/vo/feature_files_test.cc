@@ -1,6 +1,7 @@
 #include "gluevo/vo/feature_files.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -69,6 +70,14 @@ TEST(FeatureFilesTest, AnUnfinishedFileLeavesNothing) {
     writer.Add("a.png", SomeFeatures(2));
   }
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(FeatureFilesTest, TheyDoNotTakeThePlaceOfWhatIsNoFile) {
+  const TemporaryFolder folder;
+  const auto pipe = folder.path() / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THROW(MatchWriter{pipe}, Error);
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
 }
 
 TEST(FeatureFilesTest, BrokenFilesAreNamed) {

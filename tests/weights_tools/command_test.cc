@@ -11,6 +11,7 @@ namespace {
 
 using apps::Contents;
 using apps::Outcome;
+namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 class WeightsCommandTest : public apps::CommandTest {
@@ -128,6 +129,37 @@ TEST_F(WeightsCommandTest, ConvertsAFileOfBothIntoAFolderOrTheOneThatIsAsked) {
       "holds no superglue");
 }
 
+TEST_F(WeightsCommandTest, MakesTheFolderThatIsNamedOrWritesNothing) {
+  const std::string both = Data("both_hugging_face.safetensors");
+  ASSERT_EQ(Run("convert " + both + " -o " + Path("new/folder/")).exit_code, 0);
+  EXPECT_TRUE(fs::exists(Path("new/folder/superpoint.safetensors")));
+  EXPECT_TRUE(fs::exists(Path("new/folder/superglue.safetensors")));
+  ExpectRefused("convert " + both + " -o " + Write("file", "") + "/", "cannot be made: ");
+  // Both or none: here one cannot be written.
+  fs::create_directories(Path("half/superpoint.safetensors"));
+  ExpectRefused("convert " + both + " -o " + Path("half"), "cannot be written: is a folder");
+  EXPECT_FALSE(fs::exists(Path("half/superglue.safetensors")));
+  fs::create_directories(Path("other/superglue.safetensors"));
+  ExpectRefused("convert " + both + " -o " + Path("other"), "cannot be written: is a folder");
+  EXPECT_FALSE(fs::exists(Path("other/superpoint.safetensors")));
+}
+
+TEST_F(WeightsCommandTest, DoesNotWriteOverItsInput) {
+  const std::string in = Save("superglue.safetensors", SmallSuperGlue());
+  const std::string before = Contents(in);
+  ExpectRefused("convert " + in + " -o " + in, "is an input itself");
+  ExpectRefused("convert " + in + " -o " + Path("."), "is an input itself");
+  const std::string point = Save("point", SmallSuperPoint());
+  ExpectRefused("convert " + point + " " + in + " --network superglue -o " + Path(""),
+                "is an input itself");
+  EXPECT_EQ(Contents(in), before);
+}
+
+TEST_F(WeightsCommandTest, RefusesFolders) {
+  ExpectRefused("convert " + Path("") + " -o " + Path("out"), "is a folder, expected a file");
+  ExpectRefused("inspect " + Path(""), "is a folder, expected a file");
+}
+
 TEST_F(WeightsCommandTest, OwnOutputIsTheSameAgainForEveryDialect) {
   for (const char* file :
        {"superpoint_rpautrat.pth", "superpoint_batch_norm.pth.tar",
@@ -159,11 +191,20 @@ TEST_F(WeightsCommandTest, VerifyTellsTheSameNetworkFromAnother) {
   EXPECT_GT(json[1].at("difference"), 0.1);
   EXPECT_EQ(Run("verify " + first + " " + first).exit_code, 0);
 
-  ExpectRefused("verify " + first + " " + Save("glue", SmallSuperGlue()), "holds no superpoint");
+  const std::string glue = Save("glue", SmallSuperGlue());
+  ExpectRefused("verify " + first + " " + glue, "holds no superpoint");
+  ExpectRefused("verify " + glue + " " + first, "holds no superglue");
+
+  ASSERT_EQ(Run("convert " + glue + " --heads 2 -o " + Path("two")).exit_code, 0);
+  ExpectRefused("verify " + Path("two") + " " + glue,
+                "glue: has 4 attention heads (assumed, see --heads), " + Path("two") +
+                    " has 2 attention heads");
+  EXPECT_EQ(Run("verify " + Path("two") + " " + glue + " --heads 2").exit_code, 0);
 }
 
 TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
-  for (const char* arguments : {"", "convert", "convert x", "inspect", "colour x", "inspect x y"}) {
+  for (const char* arguments :
+       {"", "convert", "convert x", "inspect", "colour x", "inspect x y", "convert x -o ''"}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 2) << arguments;
     EXPECT_EQ(outcome.out, "") << arguments;

@@ -77,6 +77,15 @@ TEST_F(HeadsTest, AConfigWithoutThemMeansItsDefault) {
   EXPECT_FALSE(weights.metadata.contains("heads_assumed"));
 }
 
+TEST_F(HeadsTest, AConfigMayBeWrittenByWindows) {
+  std::string text = kTwoHeads;
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) {
+    text.insert(at, "\r");
+  }
+  Config("\xef\xbb\xbf" + text + "\r\n");
+  EXPECT_EQ(SuperGlue().metadata.at("heads"), "2");
+}
+
 TEST_F(HeadsTest, ConfigsOfOtherThingsDoNotCount) {
   for (const char* config : {R"({"model_type": "bert", "num_attention_heads": 2})",
                              R"({"num_attention_heads": 2})", "[2]"}) {

@@ -77,6 +77,7 @@ class H5OutputFile {
   void CheckOpen() const;
 
   std::filesystem::path path_;
+  std::filesystem::path place_;
   std::filesystem::path beside_;
   H5Handle file_;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 
 namespace gluevo::vo::internal {
 namespace {
@@ -54,7 +55,8 @@ std::string H5Reason() {
   return text.empty() ? "" : " (" + text + ")";
 }
 
-H5OutputFile::H5OutputFile(const std::filesystem::path& path) : path_(path), beside_(path) {
+H5OutputFile::H5OutputFile(const std::filesystem::path& path)
+    : path_(path), place_(nn::PlaceForFile(path)), beside_(place_) {
   const H5Session session;
   // The process id keeps two programs that write the same file apart.
   beside_ += ".unfinished-" + std::to_string(::getpid());
@@ -174,7 +176,7 @@ void H5OutputFile::Finish() {
   const bool closed = file_.Close();
   std::error_code code;
   if (flushed && closed) {
-    std::filesystem::rename(beside_, path_, code);
+    std::filesystem::rename(beside_, place_, code);
     if (!code) return;
   }
   std::error_code ignored;

@@ -148,6 +148,39 @@ def check_superglue(program, folder, files, size, **options):
         failures.append("too few matches to compare")
 
 
+def check_ill_conditioned(program, folder, size, **options):
+    """Random layers that are not damped make scores of tens of thousands, where neighbours in float
+    are 4e-3 apart. Nobody is near float64 then: gluevo may be off by what torch in float is off."""
+    width, height, count = 640, 480, 200
+    network = networks.hugging_face_superglue(size=size, **options)
+    networks.randomize(network, 11)
+    networks.sharpen(network, damping=1.0, gain=3.0)
+    images = inputs.features(count, size, width, height)
+
+    def log_assignment(network, dtype):
+        arguments = []
+        for keypoints, confidences, descriptors in images:
+            keypoints = networks.normalized_keypoints(keypoints.to(dtype), width, height)
+            arguments += [keypoints, confidences.to(dtype), descriptors.to(dtype)]
+        with torch.no_grad():
+            scores = networks.hugging_face_scores(network, *arguments)
+            return networks.log_assignment(scores, network.bin_score), float(scores.abs().max())
+
+    rounded, _ = log_assignment(network, torch.float32)
+    exact, largest = log_assignment(copy.deepcopy(network).double(), torch.float64)
+    weights = os.path.join(folder, "ill_conditioned")
+    save_file(network.state_dict(), weights)
+    tensors = {"size": torch.tensor([width, height])}
+    for i, image in enumerate(images):
+        tensors |= dict(zip((f"keypoints{i}", f"scores{i}", f"descriptors{i}"), image))
+    actual = run(program, folder, weights, tensors)["log_assignment"]
+    print(f"superglue, ill-conditioned, scores up to {largest:.0f}")
+    for what, difference in (("relative RMS", relative_rms), ("largest difference", distance)):
+        own, torchs = difference(actual, exact), difference(rounded, exact)
+        print(f"  {what + ' from float64':52s} {own:9.2e}, torch in float {torchs:.2e}")
+        check(f"{what}, over that of torch", own / torchs, 3)
+
+
 def export(network, path):
     import make_golden
 
@@ -196,6 +229,7 @@ def main():
         superpoint("superpoint, batch norm folded, onnx", network, export)
         check_superglue(program, folder, superglue_files, **glue)
         check_superglue(program, folder, pretrained_files, heads=8, **glue)
+        check_ill_conditioned(program, folder, **glue)
     print(f"{len(failures)} failed" + "".join(f"\n  {what}" for what in failures))
     return 1 if failures else 0
 

@@ -1,5 +1,6 @@
 #include "containers.h"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -20,8 +21,14 @@ bool StartsWith(const nn::Bytes& file, std::string_view start) {
       .starts_with(start);
 }
 
+constexpr const char* kKnownForms =
+    "expected .pth or .pt of PyTorch, .safetensors, .npz, .npy or .onnx";
+
 // Files that users have instead of the one they meant.
 void RefuseUsualMistakes(const nn::Bytes& file) {
+  if (file.size() == 0) {
+    file.Fail(0, std::string("the file is empty, ") + kKnownForms);
+  }
   constexpr std::size_t kTarNameAt = 257;
   if (StartsWith(file, "version https://git-lfs")) {
     file.Fail(0, "the file is a pointer of Git LFS: fetch the file itself with git lfs pull");
@@ -39,7 +46,7 @@ void RefuseUsualMistakes(const nn::Bytes& file) {
     file.Fail(0, "the file is compressed by gzip: unpack it first");
   }
   if (StartsWith(file, "\x89HDF")) {
-    file.Fail(0, "the file is HDF5, expected .pth, .safetensors, .npz, .npy or .onnx");
+    file.Fail(0, std::string("the file is HDF5, ") + kKnownForms);
   }
 }
 
@@ -47,13 +54,23 @@ nn::Weights ParseSafetensors(const nn::Bytes& file, const std::string& source) {
   // The eighth byte of its header's length is zero, and what it begins with a brace.
   constexpr std::size_t kHeaderAt = 8;
   const bool looks_so =
-      file.size() <= kHeaderAt || file.data()[kHeaderAt] == '{' || file.data()[kHeaderAt - 1] == 0;
-  if (file.size() > 0 && !looks_so) {
-    file.Fail(0,
-              "the file is of no known form: expected .pth or .pt of PyTorch, .safetensors, "
-              ".npz, .npy or .onnx");
+      file.size() > kHeaderAt && (file.data()[kHeaderAt] == '{' || file.data()[kHeaderAt - 1] == 0);
+  if (!looks_so) {
+    file.Fail(0, std::string("the file is of no known form, ") + kKnownForms);
   }
   return nn::ParseWeights(file.data(), file.size(), source);
+}
+
+// An archive that somebody packed weights into, or of another program.
+void RefuseOtherArchives(const nn::Bytes& file, const std::vector<nn::ZipEntry>& entries) {
+  if (entries.empty()) {
+    file.Fail(0, "the zip archive is empty");
+  }
+  if (std::none_of(entries.begin(), entries.end(),
+                   [](const nn::ZipEntry& entry) { return entry.name.ends_with(".npy"); })) {
+    file.Fail(0, "the zip archive is neither PyTorch's nor an .npz: it holds " +
+                     Quoted(entries.front().name) + "; if weights are packed into it, unpack them");
+  }
 }
 
 Container ParseZip(const nn::Bytes& file) {
@@ -63,6 +80,7 @@ Container ParseZip(const nn::Bytes& file) {
     container.form = "torch";
     ParseTorchArchive(file, entries, container.weights);
   } else {
+    RefuseOtherArchives(file, entries);
     container.form = "npz";
   }
   return container;

@@ -59,6 +59,23 @@ void RemoveWrappings(nn::Weights& weights) {
   weights.tensors = std::move(tensors);
 }
 
+// Matchers that people take for a SuperGlue, by a part of a name that only they have.
+void RefuseOtherMatchers(const nn::Weights& weights) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 4> kOthers = {
+      {{"self_attn.0.Wqkv.", "LightGlue"},
+       {"transformers.0.self_attn.Wqkv.", "LightGlue"},
+       {"transformer_layers.0.self_attention.q_proj.", "LightGlue"},
+       {"loftr_coarse.layers.0.", "LoFTR"}}};
+  for (const auto& [name, tensor] : weights.tensors) {
+    for (const auto& [part, network] : kOthers) {
+      if (name.find(part) != std::string::npos) {
+        throw Error(weights.source + ": is a " + network + " (tensor " + Quoted(name) +
+                    "), expected a SuperPoint or a SuperGlue");
+      }
+    }
+  }
+}
+
 bool IsSuperGlueName(std::string_view name) {
   constexpr std::array<std::string_view, 6> kStarts = {
       "kenc.", "gnn.", "final_proj.", "bin_score", "keypoint_encoder.", "final_projection."};
@@ -70,6 +87,7 @@ bool IsSuperGlueName(std::string_view name) {
 
 std::vector<CanonicalNetwork> ToCanonical(Container container, int64_t heads) {
   nn::Weights& all = container.weights;
+  RefuseOtherMatchers(all);
   RemoveWrappings(all);
   nn::Weights superglue{.source = all.source, .checksum = all.checksum, .metadata = all.metadata};
   for (auto it = all.tensors.begin(); it != all.tensors.end();) {

@@ -7,8 +7,10 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <system_error>
 #include <vector>
 
+#include "gluevo/nn/output_file.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/weights_tools/architecture.h"
 #include "gluevo/weights_tools/convert.h"
@@ -19,9 +21,8 @@ namespace gluevo::weights_tools {
 namespace {
 
 constexpr const char* kHeadsHelp =
-    "Attention heads of a SuperGlue, which no tensor tells; else as its metadata or a config.json "
-    "of "
-    "Hugging Face beside it say, else 4";
+    "Attention heads of a SuperGlue, which no tensor tells; else as its metadata or Hugging Face's "
+    "config.json beside it say, else 4";
 
 struct ConvertArguments {
   std::vector<std::filesystem::path> inputs;
@@ -34,24 +35,49 @@ struct InspectArguments {
   bool json = false;
 };
 
-bool IsFolder(const std::filesystem::path& path) {
+bool NamesFolder(const std::filesystem::path& path) {
   return std::filesystem::is_directory(path) || !path.has_filename();
+}
+
+// Makes the folder where one is named that is not there yet.
+std::filesystem::path OutputOf(const ConvertArguments& arguments, const std::string& network) {
+  std::filesystem::path path = arguments.output;
+  if (NamesFolder(path)) {
+    std::error_code code;
+    std::filesystem::create_directories(path, code);
+    if (code) {
+      throw Error(path.string() + ": cannot be made: " + code.message());
+    }
+    path /= network + ".safetensors";
+  }
+  for (const std::filesystem::path& input : arguments.inputs) {
+    std::error_code no_such_output;
+    if (std::filesystem::equivalent(path, input, no_such_output)) {
+      throw Error(path.string() + ": is an input itself, expected another file for the output");
+    }
+  }
+  nn::PlaceForFile(path);  // Throws where no file can be put.
+  return path;
 }
 
 void RunConvert(const ConvertArguments& arguments) {
   const std::vector<nn::Weights> networks = Convert(arguments.inputs, arguments.options);
-  if (!IsFolder(arguments.output) && networks.size() > 1) {
+  if (!NamesFolder(arguments.output) && networks.size() > 1) {
     throw Error(networks.front().source +
                 ": holds a SuperPoint and a SuperGlue: choose one by --network, or name a folder "
                 "for both by -o");
   }
+  // All places before the first file: both networks or none.
+  std::vector<std::filesystem::path> paths;
+  paths.reserve(networks.size());
   for (const nn::Weights& weights : networks) {
-    const std::string& name = weights.metadata.at("architecture");
-    const std::filesystem::path path =
-        IsFolder(arguments.output) ? arguments.output / (name + ".safetensors") : arguments.output;
-    nn::WriteSafetensors(path, weights);
-    std::cerr << "wrote " << path.string() << ": " << name << ", " << weights.tensors.size()
-              << " tensors"
+    paths.push_back(OutputOf(arguments, weights.metadata.at("architecture")));
+  }
+  for (std::size_t i = 0; i < networks.size(); ++i) {
+    const nn::Weights& weights = networks[i];
+    nn::WriteSafetensors(paths[i], weights);
+    std::cerr << "wrote " << paths[i].string() << ": " << weights.metadata.at("architecture")
+              << ", " << weights.tensors.size() << " tensors"
               << (weights.metadata.contains("heads_assumed")
                       ? ", " + weights.metadata.at("heads") + " attention heads assumed (--heads)"
                       : "")
@@ -71,9 +97,12 @@ void AddConvert(CLI::App& app) {
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "The .safetensors file to write, or a folder, in which superpoint.safetensors "
-                   "and superglue.safetensors are written")
-      ->required();
+                   "The .safetensors file to write, or a folder (made if it ends with /), in which "
+                   "superpoint.safetensors and superglue.safetensors are written")
+      ->required()
+      ->check(CLI::Validator(
+          [](const std::string& path) { return path.empty() ? "names nothing" : std::string(); },
+          ""));
   command->add_option("--source", arguments->options.source,
                       "Text for the metadata: where the weights come from");
   command->add_option("--licence", arguments->options.licence,

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cstring>
 #include <map>
-#include <set>
 #include <string_view>
 #include <utility>
 
 #include "onnx_checks.h"
+#include "onnx_origins.h"
 
 namespace gluevo::weights_tools {
 namespace {
@@ -58,12 +58,6 @@ class Finder {
   }
 
  private:
-  /// Where a value comes from: a linear, and what lies between.
-  struct Origin {
-    int linear = -1;
-    bool relu = false;
-  };
-
   void Visit(const OnnxNode& node) {
     if (node.outputs.empty() || SeenBefore(node)) {
       return;
@@ -82,7 +76,7 @@ class Finder {
     } else if (node.op == "Mul" || node.op == "Div" || node.op == "Sub") {
       VisitProduct(node);
     } else {
-      PassThrough(node);
+      origins_.PassThrough(node);
     }
   }
 
@@ -98,10 +92,7 @@ class Finder {
     }
     const auto [found, inserted] = first_uses_.emplace(key, &node);
     if (!inserted) {
-      const auto origin = origins_.find(found->second->outputs[0]);
-      if (origin != origins_.end()) {
-        origins_[node.outputs[0]] = origin->second;
-      }
+      origins_.SetAsOf(*found->second, node);
     }
     return !inserted;
   }
@@ -151,7 +142,7 @@ class Finder {
     OnnxLinear linear{.name = ModuleOf(weight.root, ".weight"),
                       .weight = std::move(weight.values),
                       .node = &node,
-                      .input = OriginOf(node, input).linear};
+                      .input = origins_.Of(node, input).linear};
     if (bias) {
       if (linear.name.empty()) {
         linear.name = ModuleOf(bias->root, ".bias");
@@ -160,7 +151,7 @@ class Finder {
     }
     const auto found = std::find_if(linears_.begin(), linears_.end(),
                                     [&](const OnnxLinear& other) { return Same(linear, other); });
-    origins_[node.outputs[0]] = {static_cast<int>(found - linears_.begin()), false};
+    origins_.Set(node, {.linear = static_cast<int>(found - linears_.begin())});
     if (found == linears_.end()) {
       if (linears_.size() == kMostLinears) {
         node.message.Fail(0, "the model has more than " + std::to_string(kMostLinears) +
@@ -171,7 +162,7 @@ class Finder {
   }
 
   void VisitBatchNorm(const OnnxNode& node) {
-    const Origin origin = OriginOf(node, 0);
+    const OnnxOrigin origin = origins_.Of(node, 0);
     std::optional<OnnxConstant> parts[4];
     for (std::size_t i = 0; i < 4; ++i) {
       parts[i] = Constant(node, i + 1);
@@ -201,7 +192,7 @@ class Finder {
     if (!linear.norm) {
       linear.norm = std::move(norm);
     }
-    origins_[node.outputs[0]] = origin;
+    origins_.Set(node, origin);
   }
 
   // The sum of a linear map and its bias goes on being that map; other sums are new.
@@ -210,7 +201,7 @@ class Finder {
       return;
     }
     for (const std::size_t side : {std::size_t{0}, std::size_t{1}}) {
-      const Origin origin = OriginOf(node, side);
+      const OnnxOrigin origin = origins_.Of(node, side);
       if (origin.linear < 0) {
         continue;
       }
@@ -219,7 +210,7 @@ class Finder {
         if (!bias || !SameValues(*bias, added->values)) {
           RefuseConstantsBehindLayer(node);
         }
-        origins_[node.outputs[0]] = origin;
+        origins_.Set(node, origin);
       }
     }
   }
@@ -227,33 +218,13 @@ class Finder {
   // One factor may be the scale of attention's scores; a factor a channel would be lost.
   void VisitProduct(const OnnxNode& node) const {
     for (std::size_t i = 0; i < node.inputs.size() && node.inputs.size() == 2; ++i) {
-      if (OriginOf(node, i).linear >= 0) {
+      if (origins_.Of(node, i).linear >= 0) {
         const std::optional<OnnxConstant> factor = constants_.Get(node.inputs[1 - i]);
         if (factor && factor->values.size() > 1) {
           RefuseConstantsBehindLayer(node);
         }
       }
     }
-  }
-
-  void PassThrough(const OnnxNode& node) {
-    static const std::set<std::string_view> kKeeping = {
-        "Relu",      "MaxPool",        "Transpose",        "Identity",
-        "Cast",      "QuantizeLinear", "DequantizeLinear", "Squeeze",
-        "Unsqueeze", "Reshape",        "Dropout",          "Clip"};
-    if (kKeeping.contains(node.op) && !node.inputs.empty()) {
-      Origin origin = OriginOf(node, 0);
-      origin.relu = origin.relu || node.op == "Relu" || node.op == "Clip";
-      origins_[node.outputs[0]] = origin;
-    }
-  }
-
-  Origin OriginOf(const OnnxNode& node, std::size_t input) const {
-    if (input >= node.inputs.size()) {
-      return {};
-    }
-    const auto found = origins_.find(node.inputs[input]);
-    return found == origins_.end() ? Origin{} : found->second;
   }
 
   std::optional<OnnxConstant> Constant(const OnnxNode& node, std::size_t input) const {
@@ -263,7 +234,7 @@ class Finder {
   const OnnxModel& model_;
   const OnnxConstants& constants_;
   std::vector<OnnxLinear> linears_;
-  std::map<std::string, Origin> origins_;
+  OnnxOrigins origins_;
   std::map<std::string, const OnnxNode*> first_uses_;
 };
 

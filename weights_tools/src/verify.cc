@@ -84,6 +84,12 @@ double ShareOfOne(const std::set<std::pair<int, int>>& a, const std::set<std::pa
   return all == 0 ? 0 : 1 - static_cast<double>(both) / static_cast<double>(all);
 }
 
+// Of a SuperGlue, with what to do where they were only assumed.
+std::string HeadsOf(const nn::Weights& weights) {
+  return weights.metadata.at("heads") + " attention heads" +
+         (weights.metadata.contains("heads_assumed") ? " (assumed, see --heads)" : "");
+}
+
 void Compare(const nn::Weights& first, const nn::Weights& second,
              std::vector<OutputComparison>& comparisons) {
   nn::ThreadPool pool;
@@ -93,6 +99,10 @@ void Compare(const nn::Weights& first, const nn::Weights& second,
   if (first.metadata.at("descriptor_size") != other) {
     throw Error(second.source + ": its descriptors are of " + other + " values, those of " +
                 first.source + " of " + first.metadata.at("descriptor_size"));
+  }
+  if (network == "superglue" && first.metadata.at("heads") != second.metadata.at("heads")) {
+    throw Error(second.source + ": has " + HeadsOf(second) + ", " + first.source + " has " +
+                HeadsOf(first));
   }
   const Outputs a = Run(first, workspace);
   const Outputs b = Run(second, workspace);

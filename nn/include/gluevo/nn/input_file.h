@@ -13,7 +13,8 @@ struct InputFile {
   std::size_t size = 0;
 };
 
-/// Throws Error naming the file where there is none or it cannot be read whole.
+/// Throws Error naming the file where there is none or it cannot be read whole, and
+/// where it is larger than any weights (4 GiB).
 InputFile ReadInputFile(const std::filesystem::path& path);
 
 /// SHA-256, lower-case hexadecimal.
