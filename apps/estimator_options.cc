@@ -23,10 +23,9 @@ void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options) {
       ->capture_default_str()
       ->group(group);
   command
-      .add_option(
-          "--right-turn-mrad", options.right_turn_mrad,
-          "How well the calibration knows the right camera's orientation, milliradians; it "
-          "is refined within that; 0: not at all")
+      .add_option("--right-turn-mrad", options.right_turn_mrad,
+                  "How well the calibration knows the right camera's orientation, milliradians; it "
+                  "is refined within that; 0: not at all")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str()
       ->group(group);

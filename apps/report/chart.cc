@@ -10,7 +10,7 @@ namespace gluevo::apps {
 namespace {
 
 constexpr double kHeight = 230.0;
-constexpr double kLeft = 54.0;
+constexpr double kLeft = 72.0;  // Room for labels like 0.0010 beside the name of the axis.
 constexpr double kRight = 12.0;
 constexpr double kTop = 10.0;
 constexpr double kBottom = 44.0;
