@@ -26,22 +26,16 @@ void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options) {
       .add_option(
           "--right-turn-mrad", options.right_turn_mrad,
           "How well the calibration knows the right camera's orientation, milliradians; it "
-          "is refined within that; 0: not at all. Default: 0.15, with klt and superpoint 0.1")
+          "is refined within that; 0: not at all")
       ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
       ->group(group);
 }
 
-vo::OdometryOptions ResolveEstimatorOptions(const EstimatorOptions& options,
-                                            const std::string& method) {
+vo::OdometryOptions ResolveEstimatorOptions(const EstimatorOptions& options) {
   vo::OdometryOptions resolved = options.odometry;
   resolved.window.keyframe_parallax = options.keyframe_parallax_px / 460.0;
-  if (options.right_turn_mrad >= 0.0) {
-    resolved.window.right_turn_sigma = 1e-3 * options.right_turn_mrad;
-  } else if (method == "klt" || method == "superpoint") {
-    // Flow has errors that do not average out (patches grow as they come nearer) and pass for an
-    // error of the calibration: it must hold against more of them.
-    resolved.window.right_turn_sigma = 1e-4;
-  }
+  resolved.window.right_turn_sigma = 1e-3 * options.right_turn_mrad;
   return resolved;
 }
 

@@ -1,23 +1,20 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <string>
 
 #include "gluevo/vo/odometry.h"
 
 namespace gluevo::apps {
 
-/// The estimator's options as a command line gives them; where it is silent the method decides.
+/// The estimator's options in a command line's units.
 struct EstimatorOptions {
   vo::OdometryOptions odometry;
   double keyframe_parallax_px = 10.0;  ///< At a focal length of 460 pixels, as VINS-Fusion's.
-  double right_turn_mrad = -1.0;       ///< Negative: by the method.
+  double right_turn_mrad = 0.05;       ///< See vo::SlidingWindowOptions::right_turn_sigma.
 };
 
 void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options);
 
-/// `method` is the front end's name ("klt", ...).
-vo::OdometryOptions ResolveEstimatorOptions(const EstimatorOptions& options,
-                                            const std::string& method);
+vo::OdometryOptions ResolveEstimatorOptions(const EstimatorOptions& options);
 
 }  // namespace gluevo::apps

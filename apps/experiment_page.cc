@@ -6,8 +6,10 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/segment_evaluation.h"
+#include "markup.h"
 #include "run_stamp.h"
 #include "segments_file.h"
+#include "style.h"
 #include "trajectory_lines.h"
 
 namespace gluevo::apps {
@@ -15,57 +17,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStyle = R"(
-:root { color-scheme: light dark; --ink: #1d2129; --paper: #ffffff; --soft: #6b7280;
-  --line: #d9dce1; --card: #f6f7f9; --truth: #8b929c; --estimate: #d6404e; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e8eb; --paper: #14171b; --soft: #9aa2ad;
-  --line: #333a43; --card: #1d2228; --truth: #7d8591; --estimate: #ff6b78; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; padding: 1rem; max-width: 90rem; font: 15px/1.5 system-ui, sans-serif;
-  color: var(--ink); background: var(--paper); }
-h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin: 1.5rem 0 .5rem; }
-a { color: inherit; }
-.scroll { overflow-x: auto; }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; white-space: nowrap; }
-th, td { padding: .3rem .6rem; text-align: right; border-bottom: 1px solid var(--line); }
-th:nth-child(-n+2), td:nth-child(-n+2) { text-align: left; }
-th { color: var(--soft); font-weight: 600; font-size: .85rem; }
-ul { color: var(--soft); padding-left: 1.2rem; overflow-wrap: anywhere; }
-.cards { display: grid; gap: .8rem; grid-template-columns: repeat(auto-fill, minmax(11rem, 1fr)); }
-.card { background: var(--card); border: 1px solid var(--line); border-radius: .5rem;
-  padding: .6rem; overflow-wrap: anywhere; font-size: .9rem; text-decoration: none;
-  display: block; }
-.card svg { width: 100%; height: auto; display: block; }
-.card span { color: var(--soft); display: block; }
-.truth { stroke: var(--truth); } .estimate { stroke: var(--estimate); }
-polyline { fill: none; stroke-width: 1.6; vector-effect: non-scaling-stroke;
-  stroke-linejoin: round; }
-circle { fill: var(--estimate); stroke: none; }
-.key b { font-weight: 600; } .key .t { color: var(--truth); } .key .e { color: var(--estimate); }
-)";
-
-std::string Escape(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
+// What the style sheet of a run's report does not have.
+constexpr const char* kMoreStyle = R"css(
+main{max-width:1400px}
+table{white-space:nowrap}
+th:nth-child(2),td:nth-child(2){text-align:left}
+ul{color:var(--muted);padding-left:1.2rem;overflow-wrap:anywhere}
+.cards{display:grid;gap:12px;grid-template-columns:repeat(auto-fill,minmax(170px,1fr))}
+.card{background:var(--card);border-radius:8px;padding:10px;font-size:.9rem;color:inherit;
+text-decoration:none;overflow-wrap:anywhere}
+.card span{color:var(--muted);display:block}
+)css";
 
 // A run's trajectory, over ground truth where there is any. Nothing where it cannot be read.
 std::optional<TrajectoryLines> ReadLines(const RunOutcome& outcome, const fs::path& folder) {
@@ -120,7 +82,8 @@ std::string Picture(const TrajectoryLines& lines) {
   }
   if (!lines.estimate.empty() && !lines.estimate.front().empty()) {
     const Eigen::Vector2d start = place(lines.estimate.front().front());
-    svg << "<circle cx=\"" << start.x() << "\" cy=\"" << start.y() << "\" r=\"3\"/>";
+    svg << "<circle class=\"start\" cx=\"" << start.x() << "\" cy=\"" << start.y()
+        << "\" r=\"3\"/>";
   }
   svg << "</svg>";
   return svg.str();
@@ -178,7 +141,8 @@ std::string ExperimentPage(const std::string& title, const ExperimentTable& tabl
        << "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
        // An empty icon, for which a browser would ask otherwise.
        << "<link rel=\"icon\" href=\"data:,\">\n<title>" << name << "</title>\n<style>" << kStyle
-       << "</style>\n</head>\n<body>\n<h1>" << name << "</h1>\n<div class=\"scroll\"><table>\n";
+       << kMoreStyle << "</style>\n</head>\n<body><main>\n<h1>" << name
+       << "</h1>\n<div class=\"wide\"><table>\n";
   const auto add_row = [&](const std::vector<std::string>& cells, const char* tag) {
     page << "<tr>";
     for (const std::string& cell : cells) {
@@ -194,9 +158,9 @@ std::string ExperimentPage(const std::string& title, const ExperimentTable& tabl
   for (const std::string& note : table.notes) {
     page << "<li>" << Escape(note) << "</li>\n";
   }
-  page << "</ul>\n<p class=\"key\"><b class=\"t\">ground truth</b>, <b class=\"e\">estimate</b> "
+  page << "</ul>\n<p>Pictures: the estimate over the ground truth, which is wide and gray "
        << "(each segment aligned by SE(3)), seen along the axis in which the ground truth extends "
-       << "least. A picture leads to the run's report.</p>\n";
+       << "least. The circle is the start. A picture leads to the run's report.</p>\n";
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (i == 0 || outcomes[i].run.data != outcomes[i - 1].run.data) {
       page << (i == 0 ? "" : "</div>\n") << "<h2>" << Escape(outcomes[i].run.data)
@@ -204,7 +168,7 @@ std::string ExperimentPage(const std::string& title, const ExperimentTable& tabl
     }
     AddCard(outcomes[i], output, page);
   }
-  page << (outcomes.empty() ? "" : "</div>\n") << "</body>\n</html>\n";
+  page << (outcomes.empty() ? "" : "</div>\n") << "</main></body>\n</html>\n";
   return page.str();
 }
 

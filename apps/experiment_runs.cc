@@ -27,7 +27,9 @@ std::vector<std::string> Arguments(const PlannedRun& run, const fs::path& folder
   std::vector<std::string> arguments = {"run", run.dataset.string(), "--output=" + folder.string(),
                                         "--threads=" + std::to_string(threads)};
   for (const auto& [name, value] : run.options) {
-    arguments.push_back("--" + name + "=" + value);
+    // A file that the run writes belongs to its folder.
+    arguments.push_back("--" + name + "=" +
+                        (name == "save-matches" ? (folder / value).string() : value));
   }
   return arguments;
 }

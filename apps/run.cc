@@ -140,7 +140,7 @@ void Run(RunArguments& arguments, CLI::App& command) {
     frontend = MakeFrontEnd(arguments.frontend, dataset.rig, networks, pool);
   }
   vo::Odometry odometry(dataset.rig, std::move(frontend),
-                        ResolveEstimatorOptions(arguments.estimator, method));
+                        ResolveEstimatorOptions(arguments.estimator));
   std::optional<vo::MatchStoreWriter> saved;
   if (!arguments.save_matches.empty()) {
     saved.emplace(arguments.save_matches, dataset.rig, MakeRunRecord(command, method, networks));

@@ -64,6 +64,10 @@ struct Conv3x3 {
   int64_t row_end = 0;
   int64_t column_begin = 0;
   int64_t column_end = 0;
+  /// Kernels::winograd3x3: only these of the region's tiles of 4x4 pixels, ascending indices row by
+  /// row; null for all of them.
+  const int32_t* tiles = nullptr;
+  int64_t tile_count = 0;
   /// Kernels::winograd3x3: WinogradScratchFloats(channels of in) floats, aligned, of this thread
   /// only.
   float* scratch = nullptr;

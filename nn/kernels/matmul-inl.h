@@ -58,12 +58,17 @@ HWY_NOINLINE void MultiplyPanel(const MatMul<Element>& p, int64_t row_begin, int
                                 int64_t column) {
   const int64_t b_block_stride = (p.a0_blocks + p.a1_blocks) * kBlock * kBlock;
   const Element* const b = p.b + column / kBlock * b_block_stride + column % kBlock;
+  // The next columns' panel, which is far away: all weights of a network pass through.
+  constexpr int64_t kPanelBlocks = (kVectors * kLanes + kBlock - 1) / kBlock;
+  Ahead<Element> ahead =
+      PanelAhead<kVectors>(b + kPanelBlocks * b_block_stride, row_end - row_begin);
   ForBalancedTiles(row_begin, row_end, [&]<int kRows>(int64_t row) HWY_ATTR {
     Tile<kRows, kVectors> tile;
     InitTile(tile, p.bias != nullptr ? p.bias + column : nullptr);
-    AccumulateBlocks(tile, p.a0 + row * kBlock, p.a0_block_stride, p.a0_blocks, b, b_block_stride);
+    AccumulateBlocks(tile, p.a0 + row * kBlock, p.a0_block_stride, p.a0_blocks, b, b_block_stride,
+                     ahead);
     AccumulateBlocks(tile, p.a1 + row * kBlock, p.a1_block_stride, p.a1_blocks,
-                     b + p.a0_blocks * kBlock * kBlock, b_block_stride);
+                     b + p.a0_blocks * kBlock * kBlock, b_block_stride, ahead);
     if (p.relu) {
       Relu(tile);
     }

@@ -134,18 +134,53 @@ HWY_INLINE void AccumulateStep(Tile<kRows, kVectors>& tile, const Element* HWY_R
   }
 }
 
+// Part of a right operand that is wanted next and meanwhile fetched into the second-level cache: so
+// many cache lines for every block of depth of every tile. Fetching never fails, so it may run over
+// the operand's end.
+template <typename Element>
+struct Ahead {
+  const Element* next = nullptr;
+  int lines = 0;
+};
+
+template <typename Element>
+HWY_INLINE void Fetch(Ahead<Element>& ahead) {
+  for (int i = 0; i < ahead.lines; ++i, ahead.next += kBlock) {
+    __builtin_prefetch(ahead.next, 0, 2);
+  }
+}
+
+// The panel of kVectors vectors at `next`, as deep as the one that tiles over so many rows share
+// meanwhile.
+template <int kVectors, typename Element>
+HWY_INLINE Ahead<Element> PanelAhead(const Element* next, int64_t rows) {
+  constexpr int64_t kLinesDeep = (kVectors * kLanes + kBlock - 1) / kBlock * kBlock;
+  const int64_t tiles = (rows + kTileRows - 1) / kTileRows;
+  return {next, static_cast<int>((kLinesDeep + tiles - 1) / tiles)};
+}
+
 // tile += a b for a left operand of `blocks` blocks, [block][row][kBlock], and the rows of b that
 // belong to it, kBlock elements apart. The loop over a block is not unrolled: with several steps in
 // one body g++ 12 spills accumulators (65 % of the peak instead of 95 %).
 template <int kRows, int kVectors, typename Element>
 HWY_INLINE void AccumulateBlocks(Tile<kRows, kVectors>& tile, const Element* HWY_RESTRICT a,
                                  int64_t a_block_stride, int64_t blocks,
-                                 const Element* HWY_RESTRICT b, int64_t b_block_stride) {
+                                 const Element* HWY_RESTRICT b, int64_t b_block_stride,
+                                 Ahead<Element>& ahead) {
   for (int64_t block = 0; block < blocks; ++block, a += a_block_stride) {
+    Fetch(ahead);
     for (int k = 0; k < kBlock; ++k, b += kBlock) {
       AccumulateStep(tile, a + k, kBlock, b, b_block_stride);
     }
   }
+}
+
+template <int kRows, int kVectors, typename Element>
+HWY_INLINE void AccumulateBlocks(Tile<kRows, kVectors>& tile, const Element* HWY_RESTRICT a,
+                                 int64_t a_block_stride, int64_t blocks,
+                                 const Element* HWY_RESTRICT b, int64_t b_block_stride) {
+  Ahead<Element> nothing;
+  AccumulateBlocks(tile, a, a_block_stride, blocks, b, b_block_stride, nothing);
 }
 
 template <int kRows, int kVectors>
@@ -184,14 +219,22 @@ HWY_INLINE void CallWithRows(int64_t rows, int64_t begin, const F& f) {
 }
 
 // Calls f.template operator()<rows>(row) for the fewest tiles that cover [begin, end), all of about
-// the same height: a tile of a few rows waits for its multiply-adds.
+// the same height: a tile of a few rows waits for its multiply-adds. Its divisions are of 32 bits,
+// for it may be called for every few hundred cycles of work.
 template <typename F>
 HWY_INLINE void ForBalancedTiles(int64_t begin, int64_t end, const F& f) {
-  const int64_t count = end - begin;
-  const int64_t parts = (count + kTileRows - 1) / kTileRows;
-  for (int64_t part = 0; part < parts; ++part) {
-    const int64_t first = count * part / parts;
-    CallWithRows<kTileRows>(count * (part + 1) / parts - first, begin + first, f);
+  const auto count = static_cast<uint32_t>(end - begin);
+  const uint32_t parts = (count + kTileRows - 1) / kTileRows;
+  if (parts == 0) {
+    return;
+  }
+  const uint32_t height = count / parts;
+  const uint32_t taller = count % parts;
+  int64_t row = begin;
+  for (uint32_t part = 0; part < parts; ++part) {
+    const uint32_t rows = height + (part < taller ? 1 : 0);
+    CallWithRows<kTileRows>(rows, row, f);
+    row += rows;
   }
 }
 

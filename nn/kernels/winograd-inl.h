@@ -18,14 +18,28 @@
 HWY_BEFORE_NAMESPACE();
 namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 
-// Tiles of the map that are transformed, multiplied and transformed back together.
-struct TileBlock {
+// Tiles that follow each other in a row of tiles.
+struct TileRun {
   int64_t y = 0;  // First pixel.
   int64_t x = 0;
-  int64_t rows = 0;  // Tiles.
-  int64_t columns = 0;
+  int64_t tiles = 0;
+};
 
-  int64_t tiles() const { return rows * columns; }
+// Tiles of the map that are transformed, multiplied and transformed back together.
+struct TileBlock {
+  TileRun runs[kWinogradTiles];
+  int64_t count = 0;  // Runs.
+  int64_t tiles = 0;
+
+  void Add(int64_t y, int64_t x, int64_t more) {
+    TileRun* const last = count > 0 ? runs + count - 1 : nullptr;
+    if (last != nullptr && last->y == y && last->x + 4 * last->tiles == x) {
+      last->tiles += more;
+    } else {
+      runs[count++] = {y, x, more};
+    }
+    tiles += more;
+  }
 };
 
 // Floats from one of the 36 values to the next. An odd number of cache lines: the 36 lines that a
@@ -111,19 +125,19 @@ HWY_NOINLINE void TransformTileRow(const float* HWY_RESTRICT in, int64_t row_str
   }
 }
 
-// The block's part of the input with its surroundings, zeros where that leaves the map: what
+// The run's part of the input with its surroundings, zeros where that leaves the map: what
 // transforms read where the last tiles reach over the map's halo.
-HWY_NOINLINE void CopyPatch(const BlockedMap& in, int64_t channel_block, const TileBlock& block,
+HWY_NOINLINE void CopyPatch(const BlockedMap& in, int64_t channel_block, const TileRun& run,
                             float* HWY_RESTRICT patch) {
-  const int64_t height = 4 * block.rows + 2;
-  const int64_t width = 4 * block.columns + 2;
-  const int64_t rows = std::min(height, in.height + 2 - block.y);
-  const int64_t columns = std::min(width, in.width + 2 - block.x);
-  for (int64_t y = 0; y < height; ++y) {
+  constexpr int64_t kHeight = 6;
+  const int64_t width = 4 * run.tiles + 2;
+  const int64_t rows = std::min(kHeight, in.height + 2 - run.y);
+  const int64_t columns = std::min(width, in.width + 2 - run.x);
+  for (int64_t y = 0; y < kHeight; ++y) {
     float* const to = patch + y * width * kBlock;
     const int64_t copied = y < rows ? columns * kBlock : 0;
     if (copied > 0) {
-      std::copy_n(in.pixel(channel_block, block.y + y - 1, block.x - 1), copied, to);
+      std::copy_n(in.pixel(channel_block, run.y + y - 1, run.x - 1), copied, to);
     }
     std::fill(to + copied, to + width * kBlock, 0.0F);
   }
@@ -132,24 +146,22 @@ HWY_NOINLINE void CopyPatch(const BlockedMap& in, int64_t channel_block, const T
 // v[value][channel block][tile][channel of the block].
 HWY_NOINLINE void TransformBlock(const Conv3x3& p, const TileBlock& block, float* HWY_RESTRICT v,
                                  float* HWY_RESTRICT patch) {
-  const int64_t tiles = block.tiles();
-  const int64_t v_stride = FrequencyStride(p.in.blocks * tiles * kBlock);
-  const bool inside =
-      block.y + 4 * block.rows <= p.in.height && block.x + 4 * block.columns <= p.in.width;
+  const int64_t v_stride = FrequencyStride(p.in.blocks * block.tiles * kBlock);
+  float* to = v;
   for (int64_t channels = 0; channels < p.in.blocks; ++channels) {
-    const float* in = p.in.pixel(channels, block.y - 1, block.x - 1);
-    int64_t row_stride = p.in.row_stride();
-    if (!inside) {
-      CopyPatch(p.in, channels, block, patch);
-      in = patch;
-      row_stride = (4 * block.columns + 2) * kBlock;
-    }
-    for (int64_t row = 0; row < block.rows; ++row) {
-      float* const to = v + (channels * tiles + row * block.columns) * kBlock;
-      for (int lane = 0; lane < kBlock; lane += kLanes) {
-        TransformTileRow(in + 4 * row * row_stride + lane, row_stride, block.columns, to + lane,
-                         v_stride);
+    for (int64_t i = 0; i < block.count; ++i) {
+      const TileRun& run = block.runs[i];
+      const float* in = p.in.pixel(channels, run.y - 1, run.x - 1);
+      int64_t row_stride = p.in.row_stride();
+      if (run.y + 4 > p.in.height || run.x + 4 * run.tiles > p.in.width) {
+        CopyPatch(p.in, channels, run, patch);
+        in = patch;
+        row_stride = (4 * run.tiles + 2) * kBlock;
       }
+      for (int lane = 0; lane < kBlock; lane += kLanes) {
+        TransformTileRow(in + lane, row_stride, run.tiles, to + lane, v_stride);
+      }
+      to += run.tiles * kBlock;
     }
   }
 }
@@ -234,16 +246,17 @@ template <int kVectors>
 HWY_NOINLINE void TransformBlockBack(const Conv3x3& p, const TileBlock& block, int64_t channel,
                                      const float* HWY_RESTRICT m) {
   const Tag d;
-  const int64_t m_stride = FrequencyStride(block.tiles() * kVectors * kLanes);
+  const int64_t m_stride = FrequencyStride(block.tiles * kVectors * kLanes);
   // Of the outputs after pooling.
   const int64_t step = p.pool ? 2 : 4;
   const int64_t row_end = p.pool ? p.row_end / 2 : p.row_end;
   const int64_t column_end = p.pool ? p.column_end / 2 : p.column_end;
-  for (int64_t tile_y = 0; tile_y < block.rows; ++tile_y) {
-    const int64_t y = (p.pool ? block.y / 2 : block.y) + tile_y * step;
+  for (int64_t run = 0; run < block.count; ++run) {
+    const int64_t y = p.pool ? block.runs[run].y / 2 : block.runs[run].y;
+    const int64_t x_begin = p.pool ? block.runs[run].x / 2 : block.runs[run].x;
     const int64_t rows = std::min(step, row_end - y);
-    for (int64_t tile_x = 0; tile_x < block.columns; ++tile_x) {
-      const int64_t x = (p.pool ? block.x / 2 : block.x) + tile_x * step;
+    for (int64_t tile = 0; tile < block.runs[run].tiles; ++tile) {
+      const int64_t x = x_begin + tile * step;
       const int64_t columns = std::min(step, column_end - x);
       for (int i = 0; i < kVectors; ++i) {
         const int64_t c = channel + i * kLanes;
@@ -275,30 +288,48 @@ HWY_NOINLINE void TransformBlockBack(const Conv3x3& p, const TileBlock& block, i
   }
 }
 
-void FastWinogradConv3x3(const Conv3x3& p) {
+HWY_NOINLINE void ConvolveBlock(const Conv3x3& p, const TileBlock& block) {
   const int64_t channels = p.out.blocks * kBlock;
-  const int64_t tile_rows = (p.row_end - p.row_begin + 3) / 4;
-  const int64_t tile_columns = (p.column_end - p.column_begin + 3) / 4;
-  const int64_t parts = (tile_columns + kWinogradColumns - 1) / kWinogradColumns;
   float* const v = p.scratch;
   float* const m = v + 36 * FrequencyStride(p.in.blocks * kWinogradTiles * kBlock);
   float* const patch = m + 36 * FrequencyStride(kWinogradTiles * kTileVectors * kLanes);
+  TransformBlock(p, block, v, patch);
+  int64_t channel = 0;
+  for (; channel + kTileVectors * kLanes <= channels; channel += kTileVectors * kLanes) {
+    MultiplyBlock<kTileVectors>(p, v, block.tiles, channel, m);
+    TransformBlockBack<kTileVectors>(p, block, channel, m);
+  }
+  for (; channel < channels; channel += kLanes) {
+    MultiplyBlock<1>(p, v, block.tiles, channel, m);
+    TransformBlockBack<1>(p, block, channel, m);
+  }
+}
+
+void FastWinogradConv3x3(const Conv3x3& p) {
+  const int64_t tile_rows = (p.row_end - p.row_begin + 3) / 4;
+  const int64_t tile_columns = (p.column_end - p.column_begin + 3) / 4;
+  if (p.tiles != nullptr) {
+    const int64_t parts = (p.tile_count + kWinogradTiles - 1) / kWinogradTiles;
+    for (int64_t part = 0; part < parts; ++part) {
+      TileBlock block;
+      for (int64_t i = p.tile_count * part / parts; i < p.tile_count * (part + 1) / parts; ++i) {
+        block.Add(p.row_begin + p.tiles[i] / tile_columns * 4,
+                  p.column_begin + p.tiles[i] % tile_columns * 4, 1);
+      }
+      ConvolveBlock(p, block);
+    }
+    return;
+  }
+  const int64_t parts = (tile_columns + kWinogradColumns - 1) / kWinogradColumns;
   for (int64_t row = 0; row < tile_rows; row += kWinogradRows) {
     for (int64_t part = 0; part < parts; ++part) {
       const int64_t column = tile_columns * part / parts;
-      const TileBlock block = {p.row_begin + 4 * row, p.column_begin + 4 * column,
-                               std::min(kWinogradRows, tile_rows - row),
-                               tile_columns * (part + 1) / parts - column};
-      TransformBlock(p, block, v, patch);
-      int64_t channel = 0;
-      for (; channel + kTileVectors * kLanes <= channels; channel += kTileVectors * kLanes) {
-        MultiplyBlock<kTileVectors>(p, v, block.tiles(), channel, m);
-        TransformBlockBack<kTileVectors>(p, block, channel, m);
+      TileBlock block;
+      for (int64_t y = row; y < std::min(row + kWinogradRows, tile_rows); ++y) {
+        block.Add(p.row_begin + 4 * y, p.column_begin + 4 * column,
+                  tile_columns * (part + 1) / parts - column);
       }
-      for (; channel < channels; channel += kLanes) {
-        MultiplyBlock<1>(p, v, block.tiles(), channel, m);
-        TransformBlockBack<1>(p, block, channel, m);
-      }
+      ConvolveBlock(p, block);
     }
   }
 }

@@ -4,6 +4,8 @@
 #include <array>
 #include <type_traits>
 
+#include "step_progress.h"
+
 namespace gluevo::nn {
 namespace {
 
@@ -11,6 +13,14 @@ using kernels::BlocksOf;
 using kernels::ElementBlocks;
 using kernels::kBlock;
 using kernels::kChannelsPer;
+
+// Rows that pass through a layer together: the more, the less often a layer's weights are read; the
+// fewer, the closer are the rows' hidden values.
+constexpr int64_t kMostBandRows = 3 * kBlock;
+
+// Layers whose keys and values are kept: of one that the last bands are still at, of the next,
+// which others have begun, and of the one after that, which these write.
+constexpr int kKeySets = 3;
 
 // Channels in whole blocks of elements.
 template <typename Element>
@@ -70,10 +80,10 @@ struct GraphNetwork<Element>::Image {
     }
     projected = arena.Allocate<float>({floats}).data();
     q = arena.Allocate<Element>({elements}).data();
-    for (int parity = 0; parity < 2; ++parity) {
-      k[parity] = arena.Allocate<Element>({elements}).data();
-      v[parity] = arena.Allocate<Element>({elements}).data();
-      std::fill_n(v[parity], elements, Element{});
+    for (std::size_t set = 0; set < k.size(); ++set) {
+      k[set] = arena.Allocate<Element>({elements}).data();
+      v[set] = arena.Allocate<Element>({elements}).data();
+      std::fill_n(v[set], elements, Element{});
     }
   }
 
@@ -84,9 +94,9 @@ struct GraphNetwork<Element>::Image {
   Element* operands;  // The tokens as left operand.
   float* projected;   // Of image 1, packed.
   Element* q;
-  // Of this layer and of the next.
-  std::array<Element*, 2> k;
-  std::array<Element*, 2> v;
+  // Layers in turn.
+  std::array<Element*, kKeySets> k;
+  std::array<Element*, kKeySets> v;
 };
 
 // Of one thread, for one band.
@@ -209,7 +219,7 @@ void GraphNetwork<Element>::Encode(const Features& features, const Band& band, I
 
 // Queries, keys and values of a layer.
 template <typename Element>
-void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image& image, int parity,
+void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image& image, int key_set,
                                     Scratch& scratch) const {
   const Element* const rows = image.operands + band.begin * kBlock;
   const auto multiply = [&](const Linear<Element>& linear, Element* out, int64_t block_stride) {
@@ -226,20 +236,20 @@ void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image&
   for (int64_t head = 0; head < heads_; ++head) {
     kernels::PackRows(scratch.attended + head * blocks * band_stride, band_stride, blocks,
                       band.rows,
-                      image.k[parity] + head * head_elements + band.begin * blocks * kBlock);
+                      image.k[key_set] + head * head_elements + band.begin * blocks * kBlock);
   }
   if constexpr (std::is_same_v<Element, float>) {
-    multiply(layer.v, image.v[parity] + band.begin * kBlock, image.stride);
+    multiply(layer.v, image.v[key_set] + band.begin * kBlock, image.stride);
   } else {
     multiply(layer.v, scratch.attended, band_stride);
     kernels::PackValues(scratch.attended, band_stride, heads_ * blocks, band.rows,
-                        image.v[parity] + band.begin / 2 * kBlock, image.stride / 2);
+                        image.v[key_set] + band.begin / 2 * kBlock, image.stride / 2);
   }
 }
 
 template <typename Element>
 void GraphNetwork<Element>::RunLayer(const Layer& layer, const Band& band, Image& image,
-                                     const Image& source, int parity, Scratch& scratch) const {
+                                     const Image& source, int key_set, Scratch& scratch) const {
   const int64_t blocks = ElementBlocks<Element>(head_size_);
   const int64_t band_stride = band.rows * kBlock;
   for (int64_t head = 0; head < heads_; ++head) {
@@ -247,8 +257,8 @@ void GraphNetwork<Element>::RunLayer(const Layer& layer, const Band& band, Image
                              {.q = image.q + head * blocks * image.stride + band.begin * kBlock,
                               .q_block_stride = image.stride,
                               .head_blocks = blocks,
-                              .k = source.k[parity] + head * blocks * source.stride,
-                              .v = source.v[parity] + head * blocks * source.stride,
+                              .k = source.k[key_set] + head * blocks * source.stride,
+                              .v = source.v[key_set] + head * blocks * source.stride,
                               .v_block_stride = source.stride / kChannelsPer<Element>,
                               .keys = source.count,
                               .out = scratch.attended + head * blocks * band_stride,
@@ -287,15 +297,25 @@ Projected GraphNetwork<Element>::Run(const Features& features0, const Features& 
   std::array<Image, 2> images = {Image(features0.size(), size_, heads_ * head_size_, arena),
                                  Image(features1.size(), size_, heads_ * head_size_, arena)};
 
-  // Bands that keep the register tiles full, and enough of them for all threads.
-  int64_t band_rows = 3 * kBlock;
+  // Bands of about the same height that keep the register tiles full, and enough of them for all
+  // threads.
+  int64_t band_rows = kMostBandRows;
   const auto bands_of = [&](int64_t count) { return (count + band_rows - 1) / band_rows; };
   while (band_rows > kBlock &&
          bands_of(images[0].count) + bands_of(images[1].count) < 4 * pool.size()) {
     band_rows -= kBlock;
   }
   const int64_t bands0 = bands_of(images[0].count);
-  const int64_t bands = bands0 + bands_of(images[1].count);
+  const int64_t bands1 = bands_of(images[1].count);
+  const auto band_of = [&](int64_t task) -> Band {
+    const int image = task < bands0 ? 0 : 1;
+    const int64_t index = task - image * bands0;
+    const int64_t count = images[image].count;
+    const int64_t parts = image == 0 ? bands0 : bands1;
+    const int64_t begin = BlocksOf(count) * index / parts * kBlock;
+    const int64_t end = BlocksOf(count) * (index + 1) / parts * kBlock;
+    return {image, begin, std::min(end, count) - begin};
+  };
 
   const int64_t most = std::max(images[0].count, images[1].count);
   const TensorView<float> scores =
@@ -306,50 +326,58 @@ Projected GraphNetwork<Element>::Run(const Features& features0, const Features& 
       arena.Allocate<Element>({pool.size(), hidden_size_ / kChannelsPer<Element> * band_rows});
   const TensorView<float> encoder =
       arena.Allocate<float>({pool.size(), 2 * std::max<int64_t>(widest_, kBlock) * band_rows});
-  const auto for_bands = [&](const auto& f) {
-    pool.ParallelFor(bands, [&](int64_t task, int worker) {
-      const int image = task < bands0 ? 0 : 1;
-      const int64_t begin = (task - image * bands0) * band_rows;
-      const Band band = {image, begin, std::min(band_rows, images[image].count - begin)};
-      float* const encoder_of_worker = encoder.data() + worker * encoder.extent(1);
-      Scratch scratch = {scores.data() + worker * scores.extent(1),
-                         attended.data() + worker * attended.extent(1),
-                         hidden.data() + worker * hidden.extent(1),
-                         {encoder_of_worker, encoder_of_worker + encoder.extent(1) / 2}};
-      f(band, scratch);
-    });
-  };
-
-  for_bands([&](const Band& band, Scratch& scratch) {
+  // Step 0 encodes, step i + 1 is layer i, and the last one projects. First in a step is the image
+  // that attends to keys and values which are all there while the last bands of the step before are
+  // still at work: from one layer of cross-attention to the next the images take turns.
+  const auto layers = static_cast<int64_t>(layers_.size());
+  const int64_t bands = bands0 + bands1;
+  StepProgress progress(arena.Allocate<int32_t>({2 * (layers + 2)}).data(),
+                        arena.Allocate<int32_t>({bands}).data(), {bands0, bands1}, layers + 2);
+  const auto is_cross = [](int64_t layer) { return layer % 2 == 1; };
+  pool.ParallelFor((layers + 2) * bands, [&](int64_t task, int worker) {
+    const int64_t step = task / bands;
+    const bool flipped = step / 2 % 2 == 1;  // Layers of cross-attention so far.
+    const int64_t turn = task % bands;
+    const int64_t index = !flipped ? turn : turn < bands1 ? bands0 + turn : turn - bands1;
+    const Band band = band_of(index);
     Image& image = images[band.image];
-    Encode(*features[band.image], band, image, scratch);
-    Project(layers_.front(), band, image, 0, scratch);
-  });
-  for (std::size_t i = 0; i < layers_.size(); ++i) {
-    const bool cross = i % 2 == 1;
-    const int parity = static_cast<int>(i % 2);
-    for_bands([&](const Band& band, Scratch& scratch) {
-      Image& image = images[band.image];
-      RunLayer(layers_[i], band, image, images[cross ? 1 - band.image : band.image], parity,
-               scratch);
-      if (i + 1 < layers_.size()) {
-        Project(layers_[i + 1], band, image, 1 - parity, scratch);
-      }
-    });
-  }
-  for_bands([&](const Band& band, Scratch& scratch) {
-    Image& image = images[band.image];
-    kernels::MatMul<Element> product =
-        Product(final_, image.operands + band.begin * kBlock, image.stride, band.rows);
-    // Of image 0 to its place, of image 1 to be packed.
-    float* const rows = scratch.encoder[0];
-    product.c = band.image == 0 ? image.projected + band.begin * kBlock : rows;
-    product.c_block_stride = band.image == 0 ? image.stride : band.rows * kBlock;
-    kernels::Multiply(*kernels_, product);
-    if (band.image == 1) {
-      kernels::PackRows(rows, band.rows * kBlock, BlocksOf(size_), band.rows,
-                        image.projected + band.begin * BlocksOf(size_) * kBlock);
+    float* const encoder_of_worker = encoder.data() + worker * encoder.extent(1);
+    Scratch scratch = {scores.data() + worker * scores.extent(1),
+                       attended.data() + worker * attended.extent(1),
+                       hidden.data() + worker * hidden.extent(1),
+                       {encoder_of_worker, encoder_of_worker + encoder.extent(1) / 2}};
+    if (step == 0) {
+      Encode(*features[band.image], band, image, scratch);
+    } else {
+      progress.WaitForBand(step - 1, index);
     }
+    if (step > 0 && step <= layers) {
+      const int source = is_cross(step - 1) ? 1 - band.image : band.image;
+      progress.WaitForImage(step - 1, source);
+      RunLayer(layers_[step - 1], band, image, images[source],
+               static_cast<int>((step - 1) % kKeySets), scratch);
+    }
+    if (step < layers) {
+      if (step >= 2) {  // Its keys and values are overwritten.
+        progress.WaitForImage(step - 2, 0);
+        progress.WaitForImage(step - 2, 1);
+      }
+      Project(layers_[step], band, image, static_cast<int>(step % kKeySets), scratch);
+    }
+    if (step == layers + 1) {
+      kernels::MatMul<Element> product =
+          Product(final_, image.operands + band.begin * kBlock, image.stride, band.rows);
+      // Of image 0 to its place, of image 1 to be packed.
+      float* const rows = scratch.encoder[0];
+      product.c = band.image == 0 ? image.projected + band.begin * kBlock : rows;
+      product.c_block_stride = band.image == 0 ? image.stride : band.rows * kBlock;
+      kernels::Multiply(*kernels_, product);
+      if (band.image == 1) {
+        kernels::PackRows(rows, band.rows * kBlock, BlocksOf(size_), band.rows,
+                          image.projected + band.begin * BlocksOf(size_) * kBlock);
+      }
+    }
+    progress.Pass(step, band.image, index);
   });
   return {images[0].projected, images[0].stride, BlocksOf(size_), images[1].projected};
 }

@@ -26,8 +26,8 @@ struct Projected {
 /// tokens and the encoder, whose inputs are coordinates, are floats in both.
 ///
 /// All activations are left operands of products, [block][row][kBlock], so no product copies them.
-/// A layer is one loop over bands of keypoints: what follows attention concerns each keypoint alone
-/// and is done in one go, up to the next layer's queries, keys and values.
+/// A layer works on bands of keypoints: what follows attention concerns each keypoint alone and is
+/// done in one go, up to the next layer's queries, keys and values.
 template <typename Element>
 class GraphNetwork {
  public:
@@ -62,10 +62,10 @@ class GraphNetwork {
                                    int64_t block_stride, int64_t count) const;
 
   void Encode(const Features& features, const Band& band, Image& image, Scratch& scratch) const;
-  void Project(const Layer& layer, const Band& band, Image& image, int parity,
+  void Project(const Layer& layer, const Band& band, Image& image, int key_set,
                Scratch& scratch) const;
-  void RunLayer(const Layer& layer, const Band& band, Image& image, const Image& source, int parity,
-                Scratch& scratch) const;
+  void RunLayer(const Layer& layer, const Band& band, Image& image, const Image& source,
+                int key_set, Scratch& scratch) const;
 
   const kernels::Kernels* kernels_;
   int64_t size_ = 0;

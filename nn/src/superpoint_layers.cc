@@ -50,26 +50,33 @@ BlockedMap SuperPoint::Buffers::Output(const BlockedMap& in, int64_t channels, i
   return map;
 }
 
+kernels::Conv3x3 SuperPoint::Convolution::Of(const BlockedMap& in, const BlockedMap& out,
+                                             const Buffers& buffers, int worker) const {
+  return {.in = in,
+          .weights = weights.data(),
+          .bias = bias.data(),
+          .relu = true,
+          .scale = scale.data(),
+          .shift = shift.data(),
+          .pool = pool,
+          .out = out,
+          .row_end = in.height,
+          .column_end = in.width,
+          .scratch = buffers.scratch.data() + worker * buffers.scratch.extent(1)};
+}
+
 void SuperPoint::Convolve(const Convolution& layer, const BlockedMap& in, const BlockedMap& out,
                           Workspace& workspace, const Buffers& buffers) const {
-  ForRegions(
-      workspace.pool, in.height, in.width,
-      [&](int64_t row_begin, int64_t row_end, int64_t column_begin, int64_t column_end,
-          int worker) {
-        layer.kernel({.in = in,
-                      .weights = layer.weights.data(),
-                      .bias = layer.bias.data(),
-                      .relu = true,
-                      .scale = layer.scale.data(),
-                      .shift = layer.shift.data(),
-                      .pool = layer.pool,
-                      .out = out,
-                      .row_begin = row_begin,
-                      .row_end = row_end,
-                      .column_begin = column_begin,
-                      .column_end = column_end,
-                      .scratch = buffers.scratch.data() + worker * buffers.scratch.extent(1)});
-      });
+  ForRegions(workspace.pool, in.height, in.width,
+             [&](int64_t row_begin, int64_t row_end, int64_t column_begin, int64_t column_end,
+                 int worker) {
+               kernels::Conv3x3 region = layer.Of(in, out, buffers, worker);
+               region.row_begin = row_begin;
+               region.row_end = row_end;
+               region.column_begin = column_begin;
+               region.column_end = column_end;
+               layer.kernel(region);
+             });
 }
 
 namespace {

@@ -15,6 +15,10 @@ struct SuperPoint::Convolution {
   Convolution(const Weights& file, const std::string& name, int64_t kernel_size,
               int64_t in_channels_in, const kernels::Kernels& kernels);
 
+  /// All of `in`, as the task of one thread.
+  kernels::Conv3x3 Of(const kernels::BlockedMap& in, const kernels::BlockedMap& out,
+                      const Buffers& buffers, int worker) const;
+
   int64_t in_channels = 0;
   int64_t out_channels = 0;
   bool pool = false;

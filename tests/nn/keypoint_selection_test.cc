@@ -67,7 +67,7 @@ std::vector<int64_t> DenseSelection(const Map& scores, int64_t height, int64_t w
 
 TEST(SelectKeypointsTest, IsThePublishedSuppression) {
   std::mt19937 generator(3);
-  ThreadPool pool(1);
+  ThreadPool pool(3);
   Workspace workspace(pool);
   for (int round = 0; round < 60; ++round) {
     const int64_t height = 8 + static_cast<int64_t>(generator() % 40);

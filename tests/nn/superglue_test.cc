@@ -94,15 +94,17 @@ INSTANTIATE_TEST_SUITE_P(Isas, SuperGlueGolden, testing::ValuesIn(AllGolden()),
 
 TEST(SuperGlueTest, IsTheSameForAnyNumberOfThreads) {
   const Weights golden = ReadGolden("golden_superglue_open");
-  const SuperGlue network(OpenSuperGlueWeights());
-  std::vector<Matches> results;
-  for (const int threads : {1, 2, 5}) {
-    ThreadPool pool(threads);
-    Workspace workspace(pool);
-    network.Match(GoldenFeatures(golden, "0"), GoldenFeatures(golden, "1"), {}, workspace,
-                  results.emplace_back());
-    EXPECT_EQ(results.back().matches0, results[0].matches0);
-    EXPECT_EQ(results.back().scores0, results[0].scores0);
+  for (const Precision precision : {Precision::kFloat, Precision::kBf16}) {
+    const SuperGlue network(OpenSuperGlueWeights(), precision);
+    std::vector<Matches> results;
+    for (const int threads : {1, 2, 3, 5}) {
+      ThreadPool pool(threads);
+      Workspace workspace(pool);
+      network.Match(GoldenFeatures(golden, "0"), GoldenFeatures(golden, "1"), {}, workspace,
+                    results.emplace_back());
+      EXPECT_EQ(results.back().matches0, results[0].matches0);
+      EXPECT_EQ(results.back().scores0, results[0].scores0);
+    }
   }
 }
 

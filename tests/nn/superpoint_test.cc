@@ -93,7 +93,7 @@ TEST(SuperPointTest, IsTheSameForAnyNumberOfThreads) {
   const Image image = GoldenImage(ReadGolden("golden_superpoint_120x88"));
   const SuperPoint network(OpenSuperPointWeights());
   std::vector<Features> results;
-  for (const int threads : {1, 2, 5}) {
+  for (const int threads : {1, 2, 3, 5}) {
     ThreadPool pool(threads);
     Workspace workspace(pool);
     network.Extract(image.view, {}, workspace, results.emplace_back());

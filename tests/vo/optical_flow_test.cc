@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/core.hpp>
+
 #include "gluevo/nn/error.h"
 #include "textured_views.h"
 
@@ -25,6 +27,18 @@ TEST(OpticalFlowTest, FindsAPointBelowThePixelAndRefusesOnesThatDoNotReturn) {
       pixels, pixels, options);
   EXPECT_EQ(lost.found.at(0), 0);
   EXPECT_TRUE(FollowBothWays(pyramid(0, 0), pyramid(1, 0), {}, {}, options).pixels.empty());
+}
+
+TEST(OpticalFlowTest, APyramidMadeInOldMemoryIsTheSame) {
+  Pyramid remade = MakePyramid(testing::PatternAt(3.0, 1.0), 15, 2);
+  const unsigned char* const memory = remade[0].data;
+  RemakePyramid(testing::PatternAt(1.3, -0.6), 15, 2, remade);
+  EXPECT_EQ(remade[0].data, memory);
+  const Pyramid made = MakePyramid(testing::PatternAt(1.3, -0.6), 15, 2);
+  ASSERT_EQ(remade.size(), made.size());
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    EXPECT_EQ(cv::norm(remade[i], made[i], cv::NORM_INF), 0.0) << i;
+  }
 }
 
 TEST(OpticalFlowTest, RefusesBadOptions) {

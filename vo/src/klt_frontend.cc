@@ -73,30 +73,30 @@ TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   TrackedFrame result;
   result.timestamp_ns = frame.timestamp_ns;
   auto start = std::chrono::steady_clock::now();
-  Pyramid left = MakePyramid(frame.images[0], options_.window, options_.levels);
-  Follow(left);
+  std::swap(left_, last_left_);
+  RemakePyramid(frame.images[0], options_.window, options_.levels, left_);
+  Follow();
   result.stages_ms["klt_track"] = MsSince(start);
   start = std::chrono::steady_clock::now();
   AddCorners(frame.images[0]);
   result.stages_ms["klt_detect"] = MsSince(start);
   start = std::chrono::steady_clock::now();
-  MatchStereo(
-      left,
-      options_.stereo ? MakePyramid(frame.images[1], options_.window, options_.levels) : Pyramid(),
-      result);
+  if (options_.stereo) {
+    RemakePyramid(frame.images[1], options_.window, options_.levels, right_);
+  }
+  MatchStereo(result);
   result.stages_ms["klt_stereo"] = MsSince(start);
-  last_pyramid_ = std::move(left);
   return result;
 }
 
-void KltFrontEnd::Follow(const Pyramid& pyramid) {
+void KltFrontEnd::Follow() {
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
     guesses.push_back(options_.predict ? track.pixel + track.motion : track.pixel);
   }
-  const Flow flow = FollowCorners(last_pyramid_, pyramid, pixels, guesses, options_);
+  const Flow flow = FollowCorners(last_left_, left_, pixels, guesses, options_);
   std::vector<Corner> before;
   std::vector<Corner> after;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
@@ -165,13 +165,12 @@ void KltFrontEnd::AddCorners(const cv::Mat& image) {
   }
 }
 
-void KltFrontEnd::MatchStereo(const Pyramid& left, const Pyramid& right,
-                              TrackedFrame& result) const {
+void KltFrontEnd::MatchStereo(TrackedFrame& result) const {
   std::vector<cv::Point2f> pixels;
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
   }
-  const Flow flow = options_.stereo ? FollowCorners(left, right, pixels, pixels, options_)
+  const Flow flow = options_.stereo ? FollowCorners(left_, right_, pixels, pixels, options_)
                                     : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Observation observation;

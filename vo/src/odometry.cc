@@ -115,7 +115,8 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) c
   if (window_.empty()) {
     return std::nullopt;
   }
-  const std::vector<SlidingWindow::Correspondence> correspondences = window_.Correspond(frame);
+  const std::vector<SlidingWindow::Correspondence> correspondences =
+      window_.Correspond(frame, options_.pnp.noise);
   std::vector<PnpObservation> observations;
   observations.reserve(correspondences.size());
   for (const SlidingWindow::Correspondence& correspondence : correspondences) {

@@ -15,8 +15,12 @@ void FlowOptions::Validate(const std::string& name) const {
 
 Pyramid MakePyramid(const cv::Mat& image, int window, int levels) {
   Pyramid pyramid;
-  cv::buildOpticalFlowPyramid(image, pyramid, {window, window}, levels);
+  RemakePyramid(image, window, levels, pyramid);
   return pyramid;
+}
+
+void RemakePyramid(const cv::Mat& image, int window, int levels, Pyramid& pyramid) {
+  cv::buildOpticalFlowPyramid(image, pyramid, {window, window}, levels);
 }
 
 Flow FollowBothWays(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,

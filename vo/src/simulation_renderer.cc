@@ -9,6 +9,29 @@ namespace {
 
 constexpr int kSamplesPerSide = 2;
 
+/// A ray's footprint is longer along the slope than across: the geometric mean, which is the root
+/// of its area, is where blur and aliasing balance. `a`: of the ray, see FaceView.
+Texture::Sampler SamplerOf(const FaceView& face, float a, const RayGrid::Tile& tile) {
+  return face.texture->At(0.5F * (face.log2_scale - 3.0F * std::log2(a)) + tile.log2_sample);
+}
+
+/// The sum over the four rays of a pixel that all meet one face: vectors take a third of the time
+/// of ray by ray, for the same result.
+float SumOfPixel(const FaceView& face, const Eigen::Vector2f* rays, const RayGrid::Tile& tile) {
+  static_assert(kSamplesPerSide * kSamplesPerSide == 4);
+  const Eigen::Array4f x(rays[0].x(), rays[1].x(), rays[2].x(), rays[3].x());
+  const Eigen::Array4f y(rays[0].y(), rays[1].y(), rays[2].y(), rays[3].y());
+  const auto values = [&](const FaceView::Form& form) -> Eigen::Array4f {
+    return form[0] * x + form[1] * y + form[2];
+  };
+  const Eigen::Array4f a = values(face.across);
+  const Eigen::Array4f inverse = 1.0F / a;
+  const Eigen::Array4f samples =
+      SamplerOf(face, a[0], tile)
+          .Sample(values(face.along_u) * inverse, values(face.along_v) * inverse);
+  return samples[0] + samples[1] + samples[2] + samples[3];
+}
+
 }  // namespace
 
 Renderer::Renderer(const StereoRig& rig, int threads)
@@ -29,6 +52,10 @@ void Renderer::Accumulate(const SimulatedWorld& world, int camera, const Rigid3&
       float* const line = sums->ptr<float>(y);
       for (int x = tile.left; x < tile.right; ++x) {
         const Eigen::Vector2f* const rays = grid.RaysOf(x, y);
+        if (seen.only != nullptr && step == 1) {
+          line[x] += SumOfPixel(*seen.only, rays, tile);
+          continue;
+        }
         const FaceView* last = nullptr;
         std::optional<Texture::Sampler> sampler;
         float sum = 0.0F;
@@ -38,11 +65,7 @@ void Renderer::Accumulate(const SimulatedWorld& world, int camera, const Rigid3&
           if (face == nullptr) continue;
           const float a = ValueAt(face->across, ray.x(), ray.y());
           if (face != last) {
-            // A ray's footprint is longer along the slope than across: the geometric mean, which is
-            // the root of its area, is where blur and aliasing balance.
-            const float log2_footprint =
-                0.5F * (face->log2_scale - 3.0F * std::log2(a)) + tile.log2_sample;
-            sampler = face->texture->At(log2_footprint);
+            sampler = SamplerOf(*face, a, tile);
             last = face;
           }
           const float inverse = 1.0F / a;

@@ -86,9 +86,12 @@ void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
 AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
   const Rigid3 world_from_anchor =
       FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
-  AnchoredPoint point{world_from_anchor.translation,
-                      world_from_anchor.rotation * landmark.point->head<2>().homogeneous(),
-                      landmark.point->z(), landmark.point->z()};
+  return {world_from_anchor.translation,
+          world_from_anchor.rotation * landmark.point->head<2>().homogeneous(),
+          landmark.point->z()};
+}
+
+double SlidingWindow::InverseDepthSigma(const Landmark& landmark, double noise) const {
   // The information of all views on (u, v, inverse depth), the poses taken as known.
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   ForEachView(landmark, [&](const Rigid3& cam_from_anchor, const Eigen::Vector2d&) {
@@ -102,15 +105,12 @@ AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
       information += jacobian.transpose() * jacobian;
     }
   });
-  const double variance = options_.noise * options_.noise * information.inverse()(2, 2);
-  if (std::isfinite(variance) && variance > 0.0) {
-    point.inverse_depth_sigma = std::sqrt(variance);
-  }
-  return point;
+  const double variance = noise * noise * information.inverse()(2, 2);
+  return std::isfinite(variance) && variance > 0.0 ? std::sqrt(variance) : landmark.point->z();
 }
 
-std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(
-    const TrackedFrame& frame) const {
+std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const TrackedFrame& frame,
+                                                                     double noise) const {
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const Observation& observation = frame.observations[i];
@@ -120,9 +120,10 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(
     }
     const Landmark& landmark = landmarks_.at(track->second);
     if (landmark.point) {
-      correspondences.push_back({i,
-                                 {ToAnchoredPoint(landmark), observation.left,
-                                  observation.has_right, observation.right}});
+      AnchoredPoint point = ToAnchoredPoint(landmark);
+      point.inverse_depth_sigma = InverseDepthSigma(landmark, noise);
+      correspondences.push_back(
+          {i, {point, observation.left, observation.has_right, observation.right}});
     }
   }
   return correspondences;

@@ -93,6 +93,7 @@ void SlidingWindow::MarginalizeOldest() {
   if (prior_) {
     marginalizer.AddPrior(*prior_);
   }
+  const Linearization at = LinearizeAt(linearization);
   const int64_t oldest_id = frames_.front().id;
   const int64_t newest_id = frames_.back().id;
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
@@ -103,22 +104,27 @@ void SlidingWindow::MarginalizeOldest() {
       continue;
     }
     if (landmark.views.size() > 1) {
-      AddToMarginalizer(landmark, marginalizer, linearization);
+      AddToMarginalizer(landmark, at, marginalizer);
     }
     it = Erase(it);
   }
   prior_ = marginalizer.Eliminate(oldest_id);
 }
 
-void SlidingWindow::AddToMarginalizer(const Landmark& landmark, Marginalizer& marginalizer,
-                                      const PosePrior& linearization) const {
-  std::vector<PoseParameters> present, first_estimates;
-  std::vector<Rigid3> present_poses;
+SlidingWindow::Linearization SlidingWindow::LinearizeAt(const PosePrior& prior) const {
+  Linearization at;
+  std::vector<Rigid3> present;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
-    present_poses.push_back(frames_[i].world_from_body);
-    present.push_back(ToParameters(present_poses.back()));
-    first_estimates.push_back(ToParameters(linearization.world_from_body[i]));
+    present.push_back(frames_[i].world_from_body);
+    at.present.push_back(ToParameters(present.back()));
+    at.first_estimates.push_back(ToParameters(prior.world_from_body[i]));
   }
+  at.delta = prior.Delta(present, rig_.body_from_cam[1].rotation);
+  return at;
+}
+
+void SlidingWindow::AddToMarginalizer(const Landmark& landmark, const Linearization& at,
+                                      Marginalizer& marginalizer) const {
   const bool is_turn_known = options_.right_turn_sigma == 0.0;
   const Eigen::Vector3d no_turn = Eigen::Vector3d::Zero();
   const double* const point = landmark.point->data();
@@ -139,10 +145,11 @@ void SlidingWindow::AddToMarginalizer(const Landmark& landmark, Marginalizer& ma
     const OtherFrameReprojection factor(rig_.body_from_cam[0], rig_.body_from_cam[camera], seen,
                                         weight);
     const Linearized linearized(
-        factor, {present[anchor].data(), present[frame].data(), point, no_turn.data()},
-        {first_estimates[anchor].data(), first_estimates[frame].data(), point, no_turn.data()});
-    rows.SetPose(anchor, linearized.ByPose(0, first_estimates[anchor].data()));
-    rows.SetPose(frame, linearized.ByPose(1, first_estimates[frame].data()));
+        factor, {at.present[anchor].data(), at.present[frame].data(), point, no_turn.data()},
+        {at.first_estimates[anchor].data(), at.first_estimates[frame].data(), point,
+         no_turn.data()});
+    rows.SetPose(anchor, linearized.ByPose(0, at.first_estimates[anchor].data()));
+    rows.SetPose(frame, linearized.ByPose(1, at.first_estimates[frame].data()));
     if (camera == 1 && !is_turn_known) {
       rows.SetTurn(linearized.ByVector(3));
     }
@@ -158,7 +165,7 @@ void SlidingWindow::AddToMarginalizer(const Landmark& landmark, Marginalizer& ma
       add(1, *view.right);
     }
   }
-  rows.AddTo(marginalizer, linearization.Delta(present_poses, rig_.body_from_cam[1].rotation));
+  rows.AddTo(marginalizer, at.delta);
 }
 
 }  // namespace gluevo::vo

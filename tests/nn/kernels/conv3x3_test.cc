@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "kernels/kernels.h"
 #include "kernels/winograd.h"
@@ -92,6 +93,26 @@ class ConvProblem {
                 .scratch = scratch.data()});
       }
     }
+    return out;
+  }
+
+  // Only these tiles, by Winograd; the other pixels stay kGuard.
+  Tensor<float> RunTiles(const Kernels& kernels, const std::vector<int32_t>& tiles) {
+    Tensor<float> packed({PackedWinograd3x3Floats(case_.out_channels, case_.in_channels)});
+    PackWinograd3x3(weights_.data(), case_.out_channels, case_.in_channels, packed.data());
+    Tensor<float> scratch = Filled(WinogradScratchFloats(case_.in_channels), kGuard);
+    Tensor<float> out =
+        Filled(BlockedMap::Floats(BlocksOf(case_.out_channels), out_height(), out_width()), kGuard);
+    kernels.winograd3x3({.in = in(),
+                         .weights = packed.data(),
+                         .bias = bias_.data(),
+                         .relu = case_.relu,
+                         .out = Map(out),
+                         .row_end = case_.height,
+                         .column_end = case_.width,
+                         .tiles = tiles.data(),
+                         .tile_count = static_cast<int64_t>(tiles.size()),
+                         .scratch = scratch.data()});
     return out;
   }
 
@@ -264,6 +285,41 @@ TEST(Conv3x3Test, AgreesWithTheDefinitionAcrossSegmentsAndBlocksOfTiles) {
     Check({1, 2, 2, width, true, false, false});
     Check({1, 2, 3, width, true, true, false});
     Check({2, 2, 17, width, true, width % 2 == 1, false});
+  }
+}
+
+TEST(Conv3x3Test, SomeTilesAreThoseOfTheWholeAndTheOthersAreLeftAlone) {
+  // 7 x 12 tiles, partial ones at the right and at the bottom; every third, some runs, the corners:
+  // more than are computed at once.
+  const ConvCase c = {20, 33, 26, 45, true, false, false};
+  constexpr int64_t kTileColumns = 12;
+  ConvProblem problem(c);
+  std::vector<int32_t> tiles;
+  std::vector<bool> chosen(7 * kTileColumns);
+  for (int32_t tile = 0; tile < 7 * kTileColumns; ++tile) {
+    chosen[tile] = tile % 3 == 0 || tile % 17 < 4 || tile == 7 * kTileColumns - 1;
+    if (chosen[tile]) {
+      tiles.push_back(tile);
+    }
+  }
+  ASSERT_GT(tiles.size(), static_cast<std::size_t>(kWinogradTiles));
+  for (const Kernels* const kernels : AllSets()) {
+    SCOPED_TRACE(IsaName(kernels->isa));
+    Tensor<float> whole = problem.Run(kernels->winograd3x3, true);
+    Tensor<float> some = problem.RunTiles(*kernels, tiles);
+    const BlockedMap whole_map = problem.Map(whole);
+    const BlockedMap map = problem.Map(some);
+    for (int64_t y = 0; y < c.height; ++y) {
+      for (int64_t x = 0; x < c.width; ++x) {
+        for (int64_t o = 0; o < c.out_channels; ++o) {
+          const float value = map.pixel(o / kBlock, y, x)[o % kBlock];
+          ASSERT_EQ(value, chosen[y / 4 * kTileColumns + x / 4]
+                               ? whole_map.pixel(o / kBlock, y, x)[o % kBlock]
+                               : kGuard)
+              << "channel " << o << " at " << x << ", " << y;
+        }
+      }
+    }
   }
 }
 

@@ -56,16 +56,16 @@ class KltFrontEnd final : public FrontEnd {
     cv::Point2f motion = {};  // pixels, since the frame before
   };
 
-  void Follow(const Pyramid& pyramid);
+  void Follow();
   void RejectByFundamental(const std::vector<Corner>& before);
   void AddCorners(const cv::Mat& image);
-  void MatchStereo(const Pyramid& left, const Pyramid& right, TrackedFrame& result) const;
+  void MatchStereo(TrackedFrame& result) const;
 
   StereoRig rig_;
   EpipolarCheck epipolar_;
   KltOptions options_;
   std::vector<Corner> tracks_;
-  Pyramid last_pyramid_;  // of the left image
+  Pyramid left_, right_, last_left_;
   int64_t next_id_ = 0;
 };
 

@@ -12,6 +12,7 @@
 #include "gluevo/vo/camera.h"
 #include "gluevo/vo/frontend.h"
 #include "gluevo/vo/pnp.h"
+#include "gluevo/vo/pose_manifold.h"
 #include "gluevo/vo/pose_prior.h"
 #include "gluevo/vo/rigid3.h"
 #include "gluevo/vo/triangulation.h"
@@ -21,8 +22,10 @@ namespace gluevo::vo {
 struct SlidingWindowOptions {
   /// Frames in the window, the newest included.
   int size = 11;
-  /// Standard deviation of a keypoint, normalised plane.
-  double noise = 1.5 / 460.0;
+  /// Standard deviation of a keypoint, normalised plane: half a pixel, as optical flow and refined
+  /// matches have it. VINS-Fusion takes 1.5 px; with that the robust loss takes errors of a pixel
+  /// for noise, and drift is larger. (PnP, which judges matches that may be worse, has its own.)
+  double noise = 0.5 / 460.0;
   /// Huber threshold of the reprojection residuals, in standard deviations.
   double huber = 1.0;
   /// Limit of the solver. By count and never by time, so that results repeat.
@@ -44,7 +47,7 @@ struct SlidingWindowOptions {
   /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
   /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
   /// much the same in the next, so that many frames agree on more than they know.
-  double right_turn_sigma = 1.5e-4;
+  double right_turn_sigma = 5e-5;
   /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
   bool marginalize = true;
   TriangulationOptions triangulation;
@@ -82,8 +85,9 @@ class SlidingWindow {
     std::size_t observation = 0;  ///< Index into TrackedFrame::observations.
     PnpObservation pnp;
   };
-  /// Those observations of `frame` whose landmarks have a depth.
-  std::vector<Correspondence> Correspond(const TrackedFrame& frame) const;
+  /// Those observations of `frame` whose landmarks have a depth, and how well they know it where
+  /// keypoints have a standard deviation of `noise` on the normalised plane.
+  std::vector<Correspondence> Correspond(const TrackedFrame& frame, double noise) const;
 
   /// Adds the newest frame and decides whether it is a key frame. `verdicts`, one an observation
   /// where known: an outlier starts a new landmark instead of spoiling the old one, a wrong right
@@ -124,6 +128,12 @@ class SlidingWindow {
     int observations = 1;  // dropped views included
   };
   using Landmarks = std::map<int64_t, Landmark>;
+  // Where residuals are taken and where their derivatives are, one pose a frame, and what lies
+  // between the two, by the tangents of the whole state.
+  struct Linearization {
+    std::vector<PoseParameters> present, first_estimates;
+    Eigen::VectorXd delta;
+  };
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {
@@ -132,7 +142,9 @@ class SlidingWindow {
   /// Calls visit(cam_from_anchor_cam, observed) for every view, left and right, of a landmark.
   template <typename Visitor>
   void ForEachView(const Landmark& landmark, Visitor visit) const;
+  /// Without its uncertainty.
   AnchoredPoint ToAnchoredPoint(const Landmark& landmark) const;
+  double InverseDepthSigma(const Landmark& landmark, double noise) const;
   void DecideKeyframe(std::size_t new_tracks);
   double MeanParallax(int64_t frame_id0, int64_t frame_id1) const;
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
@@ -142,8 +154,9 @@ class SlidingWindow {
   /// tracked, and removes them. Those that are tracked on keep their other views and so must not
   /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
   void MarginalizeOldest();
-  void AddToMarginalizer(const Landmark& landmark, Marginalizer& marginalizer,
-                         const PosePrior& linearization) const;
+  Linearization LinearizeAt(const PosePrior& prior) const;
+  void AddToMarginalizer(const Landmark& landmark, const Linearization& at,
+                         Marginalizer& marginalizer) const;
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 

@@ -21,7 +21,7 @@ struct SuperPointFrontEndOptions {
   /// A track need not lie on a keypoint of the right image: move its match to where optical flow
   /// from the left image ends.
   bool refine = true;
-  FlowOptions refinement = {.window = 21, .levels = 1, .levels_back = 1};
+  FlowOptions refinement = {.window = 11, .levels = 1, .levels_back = 1};
   /// Where optical flow ends farther than this from the match there is none, pixels: SuperPoint's
   /// cells are 8 pixels wide.
   double max_refinement_px = 8.0;
