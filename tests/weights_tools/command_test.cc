@@ -161,13 +161,16 @@ TEST_F(WeightsCommandTest, RefusesFolders) {
 }
 
 TEST_F(WeightsCommandTest, OwnOutputIsTheSameAgainForEveryDialect) {
+  const auto convert = [this](const std::string& in, const std::string& out) {
+    return Run("convert " + in + " -o " + out).exit_code;
+  };
   for (const char* file :
        {"superpoint_rpautrat.pth", "superpoint_batch_norm.pth.tar",
         "superpoint_hugging_face.safetensors", "superglue_folded.onnx", "superpoint_int8.onnx"}) {
     const std::string a = Path(file) + ".a";
     const std::string b = Path(file) + ".b";
-    ASSERT_EQ(Run("convert " + Data(file) + " -o " + a).exit_code, 0) << file;
-    ASSERT_EQ(Run("convert " + a + " -o " + b).exit_code, 0) << file;
+    ASSERT_EQ(convert(Data(file), a), 0) << file;
+    ASSERT_EQ(convert(a, b), 0) << file;
     EXPECT_EQ(Contents(a), Contents(b)) << file;
   }
 }

@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 class HeadsTest : public testing::Test {
  protected:
   fs::path Model(const std::string& file = "both_hugging_face.safetensors") const {
-    const fs::path to = folder_.path() / file;
+    fs::path to = folder_.path() / file;
     std::ofstream(to, std::ios::binary) << TestFile(file);
     return to;
   }

@@ -33,7 +33,7 @@ inline std::string MessageOf(const std::function<void()>& run) {
   try {
     run();
   } catch (const Error& error) {
-    const std::string message = error.what();
+    std::string message = error.what();
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
     return message;
   }

@@ -26,8 +26,8 @@ inline nn::Tensor<float> RandomTensor(const nn::Shape& shape, std::mt19937& rand
 
 inline void AddConvolution(nn::Weights& weights, const std::string& name, const nn::Shape& shape,
                            std::mt19937& random) {
-  const auto inputs = static_cast<float>(shape.size() / shape[0]);
-  const float size = std::sqrt(6.0F / inputs);
+  const int64_t inputs = shape.size() / shape[0];
+  const float size = std::sqrt(6.0F / static_cast<float>(inputs));
   weights.tensors.emplace(name + ".weight", RandomTensor(shape, random, -size, size));
   weights.tensors.emplace(name + ".bias", RandomTensor(nn::Shape{shape[0]}, random, -0.1F, 0.1F));
 }

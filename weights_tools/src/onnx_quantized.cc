@@ -44,7 +44,7 @@ class Unfolder {
   /// A value in this scale, with a zero point where `zero` is no empty name; returns its name.
   std::string Dequantize(const std::string& what, const std::string& value,
                          const std::string& scale, const std::string& zero, int64_t axis) {
-    const std::string name = node_.outputs[0] + " " + what;
+    std::string name = node_.outputs[0] + " " + what;
     nodes_.push_back({.message = node_.message,
                       .op = "DequantizeLinear",
                       .name = node_.name,

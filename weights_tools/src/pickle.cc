@@ -45,7 +45,7 @@ class Arguments {
  private:
   static constexpr const char* kWhat = "the pickle";
   nn::Bytes Take(uint64_t size) {
-    const nn::Bytes taken = bytes_.Slice(position_, size, kWhat);
+    nn::Bytes taken = bytes_.Slice(position_, size, kWhat);
     position_ += size;
     return taken;
   }

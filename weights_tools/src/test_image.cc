@@ -35,7 +35,8 @@ TestImage MakeTestImage() {
   }
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      const uint32_t look = looks[static_cast<std::size_t>(y / kBlock * blocks + x / kBlock)];
+      const int block = y / kBlock * blocks + x / kBlock;
+      const uint32_t look = looks[static_cast<std::size_t>(block)];
       const bool inside = (look & 1) != 0 && x % kBlock < kSquare && y % kBlock < kSquare;
       const uint32_t gray = (look >> 24) / 2 + (inside ? 100 : 20) + random() % 8;
       image.pixels.push_back(static_cast<uint8_t>(std::min(gray, 255U)));
