@@ -9,8 +9,9 @@ namespace gluevo::apps {
 /// The estimator's options in a command line's units.
 struct EstimatorOptions {
   vo::OdometryOptions odometry;
-  double keyframe_parallax_px = 10.0;  ///< At a focal length of 460 pixels, as VINS-Fusion's.
-  double right_turn_mrad = 0.05;       ///< See vo::SlidingWindowOptions::right_turn_sigma.
+  /// At a focal length of 460 pixels, as VINS-Fusion's.
+  double keyframe_parallax_px = 460.0 * vo::SlidingWindowOptions().keyframe_parallax;
+  double right_turn_mrad = 1e3 * vo::SlidingWindowOptions().right_turn_sigma;
 };
 
 void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options);

@@ -1,9 +1,7 @@
 #include "simulation_patterns.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -46,38 +44,6 @@ int64_t Floor(double value) {
 }
 double Fraction(double value) { return value - static_cast<double>(Floor(value)); }
 
-/// What ValueNoise draws for a cell: below left, below right, above left, above right.
-struct NoiseCell {
-  uint64_t seed = 0;
-  int64_t column = std::numeric_limits<int64_t>::min();
-  int64_t row = 0;
-  std::array<float, 4> corners = {};
-};
-
-std::array<float, 4> DrawCorners(int64_t column, int64_t row, uint64_t seed) {
-  const uint32_t left = static_cast<uint32_t>(column) * kColumnStep;
-  const uint32_t right = left + kColumnStep;
-  const uint32_t below = static_cast<uint32_t>(row) * kRowStep + Fold(seed);
-  const uint32_t above = below + kRowStep;
-  const auto corner = [](uint32_t hash) {
-    return static_cast<float>(static_cast<int32_t>(Finish(hash) >> 8)) * 0x1p-24F;
-  };
-  return {corner(left ^ below), corner(right ^ below), corner(left ^ above), corner(right ^ above)};
-}
-
-/// The corners of a cell. Textures are baked along rows, where the next texel mostly asks for the
-/// same cell again: the last cell of each of a few seeds (octaves differ in their upper bits, see
-/// Part) is kept.
-const std::array<float, 4>& Corners(int64_t column, int64_t row, uint64_t seed) {
-  constexpr int kBits = 6;
-  thread_local std::array<NoiseCell, 1 << kBits> cells;
-  NoiseCell& cell = cells[seed >> (64 - kBits)];
-  if (cell.column != column || cell.row != row || cell.seed != seed) {
-    cell = {seed, column, row, DrawCorners(column, row, seed)};
-  }
-  return cell.corners;
-}
-
 /// Values of [0, 1) at the cells' corners, smoothly interpolated.
 float ValueNoise(double x, double y, uint64_t seed) {
   const int64_t column = Floor(x);
@@ -85,9 +51,15 @@ float ValueNoise(double x, double y, uint64_t seed) {
   const auto smooth = [](float t) { return t * t * (3.0F - 2.0F * t); };
   const float a = smooth(static_cast<float>(x - static_cast<double>(column)));
   const float b = smooth(static_cast<float>(y - static_cast<double>(row)));
-  const std::array<float, 4>& corners = Corners(column, row, seed);
-  const float low = corners[0] * (1.0F - a) + corners[1] * a;
-  const float high = corners[2] * (1.0F - a) + corners[3] * a;
+  const uint32_t left = static_cast<uint32_t>(column) * kColumnStep;
+  const uint32_t right = left + kColumnStep;
+  const uint32_t below = static_cast<uint32_t>(row) * kRowStep + Fold(seed);
+  const uint32_t above = below + kRowStep;
+  const auto corner = [](uint32_t hash) {
+    return static_cast<float>(static_cast<int32_t>(Finish(hash) >> 8)) * 0x1p-24F;
+  };
+  const float low = corner(left ^ below) * (1.0F - a) + corner(right ^ below) * a;
+  const float high = corner(left ^ above) * (1.0F - a) + corner(right ^ above) * a;
   return low + (high - low) * b;
 }
 

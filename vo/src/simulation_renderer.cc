@@ -15,8 +15,8 @@ Texture::Sampler SamplerOf(const FaceView& face, float a, const RayGrid::Tile& t
   return face.texture->At(0.5F * (face.log2_scale - 3.0F * std::log2(a)) + tile.log2_sample);
 }
 
-/// The sum over the four rays of a pixel that all meet one face: vectors take a third of the time
-/// of ray by ray, for the same result.
+/// The sum over the four rays of a pixel that all meet one face, by vectors: the same as ray by
+/// ray.
 float SumOfPixel(const FaceView& face, const Eigen::Vector2f* rays, const RayGrid::Tile& tile) {
   static_assert(kSamplesPerSide * kSamplesPerSide == 4);
   const Eigen::Array4f x(rays[0].x(), rays[1].x(), rays[2].x(), rays[3].x());

@@ -24,8 +24,8 @@ struct FlowOptions {
 using Pyramid = std::vector<cv::Mat>;
 /// `image`: CV_8UC1.
 Pyramid MakePyramid(const cv::Mat& image, int window, int levels);
-/// The same in the memory of an old pyramid that nobody shares: new memory for every image costs
-/// as much as filling it.
+/// The same in the memory of an old pyramid that nobody shares: new memory for every image costs a
+/// tenth of the klt front end's time.
 void RemakePyramid(const cv::Mat& image, int window, int levels, Pyramid& pyramid);
 
 /// Where points of one image are in another, pixels, and which of them were found (else 0).
