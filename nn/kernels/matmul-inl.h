@@ -17,38 +17,45 @@ namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 // Rows that share one panel of b while it is close.
 inline constexpr int64_t kRowChunk = 56;
 
-// Adds the residual and stores columns [column, column + kVectors * kLanes) of one row.
+// Rows of a tile, kVectors * kLanes sums each, to their places: ReLU, residual, rounding. Not part
+// of the tile's own code, which is there once for every height and would be ten times as long.
 template <int kVectors, typename Element>
-HWY_INLINE void StoreRow(const MatMul<Element>& p, const Vector* HWY_RESTRICT values, int64_t row,
-                         int64_t column) {
+HWY_NOINLINE void StoreRows(const MatMul<Element>& p, const float* HWY_RESTRICT sums, int64_t row,
+                            int64_t row_end, int64_t column) {
   const Tag d;
-  HWY_UNROLL(16)
-  for (int v = 0; v < kVectors; ++v) {
-    const int64_t first = column + v * kLanes;
-    const int64_t at = row * p.c_stride + first / kBlock * p.c_block_stride + first % kBlock;
-    Vector value = values[v];
-    const int64_t count = std::min<int64_t>(kLanes, p.columns - first);
-    if (HWY_LIKELY(count == kLanes)) {
-      if (p.residual != nullptr) {
-        value = hn::Add(value, hn::LoadU(d, p.residual + at));
+  for (; row < row_end; ++row) {
+    HWY_UNROLL(16)
+    for (int v = 0; v < kVectors; ++v, sums += kLanes) {
+      const int64_t first = column + v * kLanes;
+      const int64_t at = row * p.c_stride + first / kBlock * p.c_block_stride + first % kBlock;
+      Vector value = hn::Load(d, sums);
+      if (p.relu) {
+        value = hn::Max(value, hn::Zero(d));
       }
-      if (p.c != nullptr) {
-        hn::StoreU(value, d, p.c + at);
-      }
-    } else {
-      alignas(64) float lanes[kLanes] = {};
-      hn::Store(value, d, lanes);
-      for (int64_t i = 0; i < count; ++i) {
-        lanes[i] += p.residual != nullptr ? p.residual[at + i] : 0.0F;
-        if (p.c != nullptr) {
-          p.c[at + i] = lanes[i];
+      const int64_t count = std::min<int64_t>(kLanes, p.columns - first);
+      if (HWY_LIKELY(count == kLanes)) {
+        if (p.residual != nullptr) {
+          value = hn::Add(value, hn::LoadU(d, p.residual + at));
         }
+        if (p.c != nullptr) {
+          hn::StoreU(value, d, p.c + at);
+        }
+      } else {
+        alignas(64) float lanes[kLanes] = {};
+        hn::Store(value, d, lanes);
+        for (int64_t i = 0; i < count; ++i) {
+          lanes[i] += p.residual != nullptr ? p.residual[at + i] : 0.0F;
+          if (p.c != nullptr) {
+            p.c[at + i] = lanes[i];
+          }
+        }
+        value = hn::Load(d, lanes);
       }
-      value = hn::Load(d, lanes);
-    }
-    if (p.rounded != nullptr) {
-      StoreChannels(value, p.rounded + first / (2 * kBlock) * p.rounded_block_stride + row * kBlock,
-                    static_cast<int>(first % (2 * kBlock)));
+      if (p.rounded != nullptr) {
+        StoreChannels(value,
+                      p.rounded + first / (2 * kBlock) * p.rounded_block_stride + row * kBlock,
+                      static_cast<int>(first % (2 * kBlock)));
+      }
     }
   }
 }
@@ -69,13 +76,9 @@ HWY_NOINLINE void MultiplyPanel(const MatMul<Element>& p, int64_t row_begin, int
                      ahead);
     AccumulateBlocks(tile, p.a1 + row * kBlock, p.a1_block_stride, p.a1_blocks,
                      b + p.a0_blocks * kBlock * kBlock, b_block_stride, ahead);
-    if (p.relu) {
-      Relu(tile);
-    }
-    HWY_UNROLL(16)
-    for (int r = 0; r < kRows; ++r) {
-      StoreRow<kVectors>(p, tile.v[r], row + r, column);
-    }
+    alignas(64) float sums[kRows * kVectors * kLanes];
+    StoreTile(tile, sums);
+    StoreRows<kVectors>(p, sums, row, row + kRows, column);
   });
 }
 

@@ -183,6 +183,18 @@ HWY_INLINE void AccumulateBlocks(Tile<kRows, kVectors>& tile, const Element* HWY
   AccumulateBlocks(tile, a, a_block_stride, blocks, b, b_block_stride, nothing);
 }
 
+// Row after row.
+template <int kRows, int kVectors>
+HWY_INLINE void StoreTile(const Tile<kRows, kVectors>& tile, float* HWY_RESTRICT to) {
+  HWY_UNROLL(16)
+  for (int r = 0; r < kRows; ++r) {
+    HWY_UNROLL(16)
+    for (int v = 0; v < kVectors; ++v) {
+      hn::Store(tile.v[r][v], Tag(), to + (r * kVectors + v) * kLanes);
+    }
+  }
+}
+
 template <int kRows, int kVectors>
 HWY_INLINE void Relu(Tile<kRows, kVectors>& tile) {
   const Vector zero = hn::Zero(Tag());
