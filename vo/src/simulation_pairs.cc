@@ -202,7 +202,12 @@ Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer,
   style.box_texel_m = 0.75 * style.texel_m;
   style.floor_per_box = random.Uniform(3.0, 8.0);
   style.any_cover = true;
-  const SimulatedWorld world = MakeRoom(random.Next(), plan, positions, style, 1);
+  const SimulatedWorld world = MakeRoom(
+      random.Next(), plan, positions, style, 1, [&](const SimulatedWorld& plain, SeenParts* seen) {
+        for (int view = 0; view < kViews; ++view) {
+          renderer.AddSeen(plain, view % 2, poses[view / 2], seen);
+        }
+      });
 
   Room room;
   Append(world.room, &room.boxes);

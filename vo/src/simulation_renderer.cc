@@ -1,6 +1,5 @@
 #include "simulation_renderer.h"
 
-#include <cmath>
 #include <limits>
 #include <optional>
 
@@ -9,10 +8,9 @@ namespace {
 
 constexpr int kSamplesPerSide = 2;
 
-/// A ray's footprint is longer along the slope than across: the geometric mean, which is the root
-/// of its area, is where blur and aliasing balance. `a`: of the ray, see FaceView.
+/// `a`: of the ray, see FaceView.
 Texture::Sampler SamplerOf(const FaceView& face, float a, const RayGrid::Tile& tile) {
-  return face.texture->At(0.5F * (face.log2_scale - 3.0F * std::log2(a)) + tile.log2_sample);
+  return face.texture->At(Log2Footprint(face, a, tile));
 }
 
 /// The sum over the four rays of a pixel that all meet one face, by vectors: the same as ray by
@@ -39,6 +37,11 @@ Renderer::Renderer(const StereoRig& rig, int threads)
       grids_{RayGrid(rig.cameras[0], kSamplesPerSide, threads),
              RayGrid(rig.cameras[1], kSamplesPerSide, threads)},
       centers_{RayGrid(rig.cameras[0], 1, threads), RayGrid(rig.cameras[1], 1, threads)} {}
+
+void Renderer::AddSeen(const SimulatedWorld& world, int camera, const Rigid3& world_from_body,
+                       SeenParts* parts) const {
+  parts->Add(FacesInView(world, world_from_body * rig_.body_from_cam[camera]), grids_[camera]);
+}
 
 void Renderer::Accumulate(const SimulatedWorld& world, int camera, const Rigid3& world_from_body,
                           int first, int step, cv::Mat* sums) const {

@@ -6,6 +6,7 @@
 
 #include "gluevo/vo/camera.h"
 #include "simulation_eye.h"
+#include "simulation_seen.h"
 #include "simulation_view.h"
 #include "simulation_world.h"
 
@@ -22,6 +23,10 @@ class Renderer {
   /// poses for equal times (one pose: a sharp image). Black where the camera has no ray.
   cv::Mat Render(const SimulatedWorld& world, int camera,
                  const std::vector<Rigid3>& world_from_body) const;
+
+  /// Adds the parts of the world that a sharp image reads.
+  void AddSeen(const SimulatedWorld& world, int camera, const Rigid3& world_from_body,
+               SeenParts* parts) const;
 
   /// CV_32FC1: depth along the optical axis, metres, of what is seen at the centre of each pixel;
   /// NaN where the camera has no ray.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "simulation_patterns.h"
@@ -85,10 +86,14 @@ SimulatedBox MakeBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_
   return box;
 }
 
-/// Bakes the faces of a box. `inward`: it is the room, seen from inside.
-void Bake(SimulatedBox* box, bool inward, const Cover& cover, const Light& light, double floor_z,
-          double texel_m, int threads) {
+/// Bakes the faces of a box, or what is `seen` of them. `index` -1: it is the room, seen from
+/// inside.
+void Bake(SimulatedBox* box, int index, const Cover& cover, const Light& light,
+          const std::optional<SeenParts>& seen, double floor_z, double texel_m, int threads) {
+  const bool inward = index < 0;
   for (int face = 0; face < 6; ++face) {
+    const SeenParts::Face* const part = seen ? &seen->Of(index, face) : nullptr;
+    if (part != nullptr && !part->any()) continue;
     const int axis = face / 2;
     const int u_axis = axis == 0 ? 1 : 0;
     const int v_axis = axis == 2 ? 1 : 2;
@@ -100,8 +105,8 @@ void Bake(SimulatedBox* box, bool inward, const Cover& cover, const Light& light
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     normal[axis] = inward ? -side : side;
     normal = box->WorldFromBox(normal) - box->center;
-    const double width = 2.0 * box->half_size[u_axis];
-    const double height = 2.0 * box->half_size[v_axis];
+    const double width = box->FaceSize(face).x();
+    const double height = box->FaceSize(face).y();
     const Pattern pattern = cover(face, width, height);
     const LightMap light_map(width, height, [&](double u, double v) {
       Eigen::Vector3d point = corner;
@@ -109,7 +114,9 @@ void Bake(SimulatedBox* box, bool inward, const Cover& cover, const Light& light
       point[v_axis] += v;
       return light.At(box->WorldFromBox(point), normal);
     });
-    const Pattern lit = [&](double u, double v) { return pattern(u, v) * light_map.At(u, v); };
+    const Pattern lit = [&](double u, double v) {
+      return part == nullptr || part->At(u, v) ? pattern(u, v) * light_map.At(u, v) : 0.5;
+    };
     box->faces[face] = Texture(width, height, texel_m, lit, threads);
   }
 }
@@ -251,42 +258,53 @@ RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, double side_margin
 
 SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
                         const std::vector<Eigen::Vector3d>& keep_clear, const RoomStyle& style,
-                        int threads) {
+                        int threads,
+                        const std::function<void(const SimulatedWorld&, SeenParts*)>& add_seen) {
   const Eigen::Vector3d size = plan.high - plan.low;
   const double walls = 2.0 * (size.x() * size.y() + (size.x() + size.y()) * size.z());
   // A hall as large as a stadium gets coarser texels instead of more memory than machines have.
   constexpr double kMostTexels = 1.5e8;
   const double room_texel_m = std::max(style.texel_m, std::sqrt(walls / kMostTexels));
-  const Light light(plan);
   SimulatedWorld world;
   world.room = MakeBox(0.5 * (plan.low + plan.high), 0.5 * size, 0.0);
-  Bake(
-      &world.room, true,
-      [&](int face, double width, double height) {
-        return style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
-                               : RoomFace(face, width, height, seed);
-      },
-      light, plan.low.z(), room_texel_m, threads);
   RandomStream random(Hash(seed, 1));
+  std::vector<Kind> kinds;
   const int count = std::clamp(static_cast<int>(size.x() * size.y() / style.floor_per_box), 4, 100);
   for (int i = 0; i < count; ++i) {
     const Kind kind = kFurniture[static_cast<std::size_t>(i) % kFurniture.size()];
     // A draw in a thousand fits in the worst of rooms; one that never fits is left out.
     for (int attempt = 0; attempt < 1000; ++attempt) {
-      SimulatedBox box = DrawBox(kind, plan, &random);
+      const SimulatedBox box = DrawBox(kind, plan, &random);
       if (!IsFree(box, world.boxes, keep_clear)) continue;
-      const uint64_t own = Hash(seed, 2, world.boxes.size());
-      const bool panel = kind == Kind::kStandingPanel || kind == Kind::kHangingPanel;
-      Bake(
-          &box, false,
-          [&](int face, double width, double height) {
-            return panel ? PanelFace(width, height, Hash(own, face))
-                         : CrateFace(width, height, Hash(own, face));
-          },
-          light, plan.low.z(), style.box_texel_m, threads);
-      world.boxes.push_back(std::move(box));
+      world.boxes.push_back(box);
+      kinds.push_back(kind);
       break;
     }
+  }
+
+  std::optional<SeenParts> seen;
+  if (add_seen) {
+    seen.emplace(world, std::max(room_texel_m, style.box_texel_m));
+    add_seen(world, &*seen);
+  }
+  const Light light(plan);
+  Bake(
+      &world.room, -1,
+      [&](int face, double width, double height) {
+        return style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
+                               : RoomFace(face, width, height, seed);
+      },
+      light, seen, plan.low.z(), room_texel_m, threads);
+  for (std::size_t i = 0; i < world.boxes.size(); ++i) {
+    const uint64_t own = Hash(seed, 2, i);
+    const bool panel = kinds[i] == Kind::kStandingPanel || kinds[i] == Kind::kHangingPanel;
+    Bake(
+        &world.boxes[i], static_cast<int>(i),
+        [&](int face, double width, double height) {
+          return panel ? PanelFace(width, height, Hash(own, face))
+                       : CrateFace(width, height, Hash(own, face));
+        },
+        light, seen, plan.low.z(), style.box_texel_m, threads);
   }
   return world;
 }

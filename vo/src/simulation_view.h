@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "gluevo/vo/camera.h"
@@ -61,6 +62,13 @@ struct RayGrid {
     return &rays[(static_cast<std::size_t>(y) * width + x) * samples];
   }
 };
+
+/// log2 of the side of a sample's footprint on a face, metres, for a ray with a = `across`. It is
+/// longer along the slope than across: the geometric mean, which is the root of its area, is where
+/// blur and aliasing balance.
+inline float Log2Footprint(const FaceView& face, float across, const RayGrid::Tile& tile) {
+  return 0.5F * (face.log2_scale - 3.0F * std::log2(across)) + tile.log2_sample;
+}
 
 /// The faces that rays of a tile can meet, of those of a camera's view.
 struct TileFaces {

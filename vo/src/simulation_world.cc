@@ -44,6 +44,11 @@ Span Intersect(const Eigen::Vector3d& eye, const Eigen::Vector3d& direction,
 
 }  // namespace
 
+Eigen::Vector2d SimulatedBox::FaceSize(int face) const {
+  const int axis = face / 2;
+  return 2.0 * Eigen::Vector2d(half_size[axis == 0 ? 1 : 0], half_size[axis == 2 ? 1 : 2]);
+}
+
 Eigen::Vector3d SimulatedBox::BoxFromWorld(const Eigen::Vector3d& point_in_world) const {
   return Eigen::AngleAxisd(-yaw, Eigen::Vector3d::UnitZ()) * (point_in_world - center);
 }

@@ -17,6 +17,8 @@ struct SimulatedBox {
   double yaw = 0.0;                                     // radians
   std::array<Texture, 6> faces;
 
+  /// Width and height, metres, along a face's u and v.
+  Eigen::Vector2d FaceSize(int face) const;
   Eigen::Vector3d BoxFromWorld(const Eigen::Vector3d& point_in_world) const;
   Eigen::Vector3d WorldFromBox(const Eigen::Vector3d& point_in_box) const;
   /// Distance of a point to the box; 0 inside.
