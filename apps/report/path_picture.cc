@@ -115,8 +115,38 @@ class Drawing {
     return svg;
   }
 
+  // The path in steps of a pixel, each with the mean of its values: else a value that jitters over
+  // a long run would begin a line a frame.
+  Path InPixelSteps(const Path& path) const {
+    constexpr double kStep = 1.0;
+    Path thin;
+    for (std::size_t begin = 0; begin < path.points.size();) {
+      const bool starts =
+          begin == 0 || std::binary_search(path.breaks.begin(), path.breaks.end(), begin);
+      if (starts && begin > 0) {
+        thin.breaks.push_back(thin.points.size());
+      }
+      const Eigen::Vector3d& from = starts ? path.points[begin] : thin.points.back();
+      std::size_t end = begin;
+      double sum = 0.0;
+      bool arrived = false;
+      while (!arrived && end < path.points.size() &&
+             (end == begin || !std::binary_search(path.breaks.begin(), path.breaks.end(), end))) {
+        sum += path.values[end];
+        arrived = starts ||
+                  std::hypot(X(path.points[end]) - X(from), Y(path.points[end]) - Y(from)) >= kStep;
+        ++end;
+      }
+      thin.points.push_back(path.points[end - 1]);
+      thin.values.push_back(sum / static_cast<double>(end - begin));
+      begin = end;
+    }
+    return thin;
+  }
+
   // Runs of one colour, each as a line that begins where the run before ended.
-  std::string ColoredPath(const Path& path) const {
+  std::string ColoredPath(const Path& whole) const {
+    const Path path = InPixelSteps(whole);
     std::string svg;
     const auto color = [&](std::size_t i) {
       const double share = picture_.most > 0.0 ? path.values[i] / picture_.most : 0.0;

@@ -134,6 +134,19 @@ TEST_F(RunReportTest, StaysSmallForLongRuns) {
   EXPECT_LT(html.size(), 600'000U);
 }
 
+// A path whose error jitters from frame to frame changes its colour all the time.
+TEST_F(RunReportTest, StaysSmallForLongJitteryRuns) {
+  RunReport report = Circle(20'000, 12'000);
+  vo::Trajectory estimate;
+  for (std::size_t i = 0; i < report.frames.size(); ++i) {
+    vo::FrameResult& frame = report.frames[i];
+    frame.world_from_body.translation.x() += i % 2 == 0 ? 0.0 : 0.015;
+    estimate.push_back({frame.timestamp_ns, frame.world_from_body});
+  }
+  report.evaluation = vo::Evaluate(estimate, *report.groundtruth, {});
+  EXPECT_LT(Write(report).size(), 900'000U);
+}
+
 TEST_F(RunReportTest, HoldsForRunsWithNextToNothing) {
   for (const int frames : {3, 4}) {
     ExpectSelfContained(Write(Circle(frames, 1)));
