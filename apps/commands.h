@@ -1,6 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "command_line.h"
 
 // Each subcommand of `gluevo` is one file that adds itself.
 namespace gluevo::apps {

@@ -1,5 +1,6 @@
 #include "dataset_options.h"
 
+#include <CLI/CLI.hpp>
 #include <map>
 
 namespace gluevo::apps {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <string>
 
+#include "command_line.h"
 #include "gluevo/vo/dataset.h"
 
 namespace gluevo::apps {

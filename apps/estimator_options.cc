@@ -1,5 +1,7 @@
 #include "estimator_options.h"
 
+#include <CLI/CLI.hpp>
+
 namespace gluevo::apps {
 
 void AddEstimatorOptions(CLI::App& command, EstimatorOptions& options) {

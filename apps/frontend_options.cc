@@ -1,5 +1,6 @@
 #include "frontend_options.h"
 
+#include <CLI/CLI.hpp>
 #include <utility>
 
 #include "gluevo/vo/network_matcher.h"
@@ -25,64 +26,37 @@ void AddFrontEndOptions(CLI::App& command, FrontEndArguments& arguments) {
       ->capture_default_str();
   AddNetworkOptions(command, arguments.networks);
 
-  const std::string tuning = "Tuning";
   AddSuperPointOptions(command, arguments.superpoint);
+  const auto tune = [&command](const char* name, auto& value, const char* help) {
+    return command.add_option(name, value, help)->capture_default_str()->group("Tuning");
+  };
+  vo::LearnedFrontEndOptions& learned = arguments.learned;
+  tune("--tracking-threshold", learned.tracking_threshold,
+       "Confidence of a match from the previous left image");
+  tune("--stereo-threshold", learned.stereo_threshold, "Confidence of a match from left to right");
+  tune("--max-epipolar-error", learned.max_epipolar_error_px,
+       "Largest distance of a stereo match from its epipolar line, pixels");
+  tune("--min-distance", learned.min_distance_px,
+       "Smallest distance between observed points, pixels");
+  tune("--refine", arguments.refine,
+       "Keypoints below the pixel: none, subpixel (peaks of SuperPoint's scores) or lk (optical "
+       "flow between matched points)")
+      ->check(CLI::IsMember({"none", "subpixel", "lk"}));
+  tune("--min-confirmed-share", learned.min_confirmed_share,
+       "With --refine lk, matches that optical flow does not confirm are dropped where it confirms "
+       "this share");
+  tune("--max-ratio", arguments.stereo.max_ratio,
+       "Of distances to nearest and second nearest descriptor, method superpoint");
   command
-      .add_option("--tracking-threshold", arguments.learned.tracking_threshold,
-                  "Confidence of a match from the previous left image")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--stereo-threshold", arguments.learned.stereo_threshold,
-                  "Confidence of a match from left to right")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--max-epipolar-error", arguments.learned.max_epipolar_error_px,
-                  "Largest distance of a stereo match from its epipolar line, pixels")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--min-distance", arguments.learned.min_distance_px,
-                  "Smallest distance between observed points, pixels")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--refine", arguments.refine,
-                  "Keypoints below the pixel: none, subpixel (peaks of SuperPoint's scores) or lk "
-                  "(optical flow between matched points)")
-      ->check(CLI::IsMember({"none", "subpixel", "lk"}))
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--min-confirmed-share", arguments.learned.min_confirmed_share,
-                  "With --refine lk, matches that optical flow does not confirm are dropped where "
-                  "it confirms this share")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--max-ratio", arguments.stereo.max_ratio,
-                  "Of distances to nearest and second nearest descriptor, method superpoint")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_flag("--rematch-keyframe", arguments.learned.rematch_keyframe,
+      .add_flag("--rematch-keyframe", learned.rematch_keyframe,
                 "Match the last key frame, too, for tracks that the frame before has lost")
-      ->group(tuning);
-  command
-      .add_option("--recovery-keyframes", arguments.learned.recovery_keyframes,
-                  "Where tracking fails, match so many of the newest key frames")
-      ->capture_default_str()
-      ->group(tuning);
-  command
-      .add_option("--superglue-every", arguments.learned.network_every,
-                  "Run the networks on every so many-th frame at least, optical flow between")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str()
-      ->group(tuning);
-  command.add_option("--klt-corners", arguments.klt.max_corners, "Corners of the klt method")
-      ->capture_default_str()
-      ->group(tuning);
+      ->group("Tuning");
+  tune("--recovery-keyframes", learned.recovery_keyframes,
+       "Where tracking fails, match so many of the newest key frames");
+  tune("--superglue-every", learned.network_every,
+       "Run the networks on every so many-th frame at least, optical flow between")
+      ->check(CLI::Range(1, 1000));
+  tune("--klt-corners", arguments.klt.max_corners, "Corners of the klt method");
 }
 
 void ApplyMethodDefaults(CLI::App& command, const FrontEndArguments& arguments) {

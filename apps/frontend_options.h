@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
+#include "command_line.h"
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/nn/thread_pool.h"
 #include "gluevo/vo/frontend.h"

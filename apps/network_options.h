@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
+#include "command_line.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/nn/thread_pool.h"

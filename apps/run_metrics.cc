@@ -1,6 +1,7 @@
 #include "run_metrics.h"
 
 #include <sys/resource.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>

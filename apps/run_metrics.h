@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -8,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "gluevo/vo/evaluation.h"
 #include "gluevo/vo/odometry.h"
 #include "gluevo/vo/segment_evaluation.h"

@@ -1,5 +1,6 @@
 #include "run_replay.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 

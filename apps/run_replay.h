@@ -1,8 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
+#include "command_line.h"
 #include "gluevo/vo/dataset.h"
 #include "gluevo/vo/match_store.h"
 #include "network_options.h"

@@ -1,6 +1,7 @@
 #include "yaml_config.h"
 
 #include <yaml-cpp/yaml.h>
+#include <CLI/CLI.hpp>
 
 #include <string>
 

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
+
+#include "command_line.h"
 
 namespace gluevo::apps {
 
