@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <limits>
 
 #include "kernels/tile-inl.h"
 
@@ -17,46 +18,56 @@ namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 // Rows that share one panel of b while it is close.
 inline constexpr int64_t kRowChunk = 56;
 
-// Rows of a tile, kVectors * kLanes sums each, to their places: ReLU, residual, rounding. Not part
-// of the tile's own code, which is there once for every height and would be ten times as long.
+// Sums of `rows` rows of one vector of columns, `stride` floats apart, to their places: ReLU,
+// residual, rounding.
+template <typename Element>
+HWY_INLINE void StoreColumns(const MatMul<Element>& p, const float* HWY_RESTRICT sums,
+                             int64_t stride, int64_t row, int64_t rows, int64_t column) {
+  const Tag d;
+  const Vector least = hn::Set(d, p.relu ? 0.0F : -std::numeric_limits<float>::infinity());
+  const int64_t at = row * p.c_stride + column / kBlock * p.c_block_stride + column % kBlock;
+  float* c = p.c != nullptr ? p.c + at : nullptr;
+  const float* residual = p.residual != nullptr ? p.residual + at : nullptr;
+  Bf16Pair* rounded =
+      p.rounded != nullptr
+          ? p.rounded + column / (2 * kBlock) * p.rounded_block_stride + row * kBlock
+          : nullptr;
+  const int lane = static_cast<int>(column % (2 * kBlock));
+  const int64_t count = std::min<int64_t>(kLanes, p.columns - column);
+  for (int64_t r = 0; r < rows; ++r, sums += stride) {
+    // In this order what is not a number stays so.
+    Vector value = hn::Max(least, hn::Load(d, sums));
+    if (HWY_LIKELY(count == kLanes)) {
+      if (residual != nullptr) {
+        value = hn::Add(value, hn::LoadU(d, residual + r * p.c_stride));
+      }
+      if (c != nullptr) {
+        hn::StoreU(value, d, c + r * p.c_stride);
+      }
+    } else {
+      alignas(64) float lanes[kLanes] = {};
+      hn::Store(value, d, lanes);
+      for (int64_t i = 0; i < count; ++i) {
+        lanes[i] += residual != nullptr ? residual[r * p.c_stride + i] : 0.0F;
+        if (c != nullptr) {
+          c[r * p.c_stride + i] = lanes[i];
+        }
+      }
+      value = hn::Load(d, lanes);
+    }
+    if (rounded != nullptr) {
+      StoreChannels(value, rounded + r * kBlock, lane);
+    }
+  }
+}
+
+// Not part of the tile's own code, which is there once for every height and would be ten times as
+// long.
 template <int kVectors, typename Element>
 HWY_NOINLINE void StoreRows(const MatMul<Element>& p, const float* HWY_RESTRICT sums, int64_t row,
-                            int64_t row_end, int64_t column) {
-  const Tag d;
-  for (; row < row_end; ++row) {
-    HWY_UNROLL(16)
-    for (int v = 0; v < kVectors; ++v, sums += kLanes) {
-      const int64_t first = column + v * kLanes;
-      const int64_t at = row * p.c_stride + first / kBlock * p.c_block_stride + first % kBlock;
-      Vector value = hn::Load(d, sums);
-      if (p.relu) {
-        value = hn::Max(value, hn::Zero(d));
-      }
-      const int64_t count = std::min<int64_t>(kLanes, p.columns - first);
-      if (HWY_LIKELY(count == kLanes)) {
-        if (p.residual != nullptr) {
-          value = hn::Add(value, hn::LoadU(d, p.residual + at));
-        }
-        if (p.c != nullptr) {
-          hn::StoreU(value, d, p.c + at);
-        }
-      } else {
-        alignas(64) float lanes[kLanes] = {};
-        hn::Store(value, d, lanes);
-        for (int64_t i = 0; i < count; ++i) {
-          lanes[i] += p.residual != nullptr ? p.residual[at + i] : 0.0F;
-          if (p.c != nullptr) {
-            p.c[at + i] = lanes[i];
-          }
-        }
-        value = hn::Load(d, lanes);
-      }
-      if (p.rounded != nullptr) {
-        StoreChannels(value,
-                      p.rounded + first / (2 * kBlock) * p.rounded_block_stride + row * kBlock,
-                      static_cast<int>(first % (2 * kBlock)));
-      }
-    }
+                            int64_t rows, int64_t column) {
+  for (int v = 0; v < kVectors; ++v) {
+    StoreColumns(p, sums + v * kLanes, kVectors * kLanes, row, rows, column + v * kLanes);
   }
 }
 
@@ -78,7 +89,7 @@ HWY_NOINLINE void MultiplyPanel(const MatMul<Element>& p, int64_t row_begin, int
                      b + p.a0_blocks * kBlock * kBlock, b_block_stride, ahead);
     alignas(64) float sums[kRows * kVectors * kLanes];
     StoreTile(tile, sums);
-    StoreRows<kVectors>(p, sums, row, row + kRows, column);
+    StoreRows<kVectors>(p, sums, row, kRows, column);
   });
 }
 

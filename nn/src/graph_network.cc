@@ -22,27 +22,6 @@ constexpr int64_t kMostBandRows = 3 * kBlock;
 // which others have begun, and of the one after that, which these write.
 constexpr int kKeySets = 3;
 
-// Channels in whole blocks of elements.
-template <typename Element>
-int64_t Padded(int64_t channels) {
-  return ElementBlocks<Element>(channels) * kBlock * kChannelsPer<Element>;
-}
-
-// Heads of `head_size` rows moved to where heads of `padded` rows begin, zeros between them.
-Affine PadHeads(const Affine& affine, int64_t heads, int64_t padded) {
-  const int64_t head_size = affine.bias.size() / heads;
-  Affine result;
-  result.weight.setZero(heads * padded, affine.weight.cols());
-  result.bias.setZero(heads * padded);
-  for (int64_t head = 0; head < heads; ++head) {
-    result.weight.middleRows(head * padded, head_size) =
-        affine.weight.middleRows(head * head_size, head_size);
-    result.bias.segment(head * padded, head_size) =
-        affine.bias.segment(head * head_size, head_size);
-  }
-  return result;
-}
-
 // Where a product's result goes, as the left operand of another one.
 void SetOutput(float* out, int64_t block_stride, kernels::MatMul<float>& product) {
   product.c = out;
@@ -67,7 +46,7 @@ struct GraphNetwork<Element>::Band {
 template <typename Element>
 struct GraphNetwork<Element>::Image {
   Image(int64_t count_in, int64_t size, int64_t heads_size, Arena& arena)
-      : count(count_in), rows(Padded<Element>(count_in)), stride(rows * kBlock) {
+      : count(count_in), rows(PaddedChannels<Element>(count_in)), stride(rows * kBlock) {
     const int64_t floats = BlocksOf(size) * stride;
     const int64_t elements = heads_size / kChannelsPer<Element> * rows;
     tokens = arena.Allocate<float>({floats}).data();
@@ -110,68 +89,13 @@ struct GraphNetwork<Element>::Scratch {
 
 template <typename Element>
 template <typename Operand>
-auto GraphNetwork<Element>::Pack(const Affine& affine, int64_t columns) -> Linear<Operand> {
-  using Matrix = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const Matrix weight = affine.weight.template cast<float>();
-  Linear<Operand> linear;
-  linear.blocks0 = ElementBlocks<Operand>(weight.cols());
-  linear.columns = columns;
-  Matrix padded = Matrix::Zero(columns, weight.cols());
-  padded.topRows(weight.rows()) = weight;
-  linear.weights = Tensor<Operand>({kernels::PackedMatrixSize<Operand>(columns, padded.cols())});
-  kernels::PackMatrix(padded.data(), padded.cols(), columns, padded.cols(), linear.weights.data());
-  linear.bias = Tensor<float>({columns});
-  linear.bias.view().Vector().head(affine.bias.size()) = affine.bias.template cast<float>();
-  return linear;
-}
-
-template <typename Element>
-GraphNetwork<Element>::GraphNetwork(const SuperGlueWeights& weights,
-                                    const kernels::Kernels& kernels)
-    : kernels_(&kernels),
-      size_(weights.size),
-      heads_(weights.heads),
-      head_size_(Padded<Element>(weights.size / weights.heads)) {
-  for (const Affine& affine : weights.encoder) {
-    encoder_.push_back(Pack<float>(affine, Padded<float>(affine.bias.size())));
-    widest_ = std::max(widest_, encoder_.back().columns);
-  }
-  for (const SuperGlueWeights::Layer& from : weights.layers) {
-    const auto pack_heads = [&](const Affine& affine) {
-      return Pack<Element>(PadHeads(affine, heads_, head_size_), heads_ * head_size_);
-    };
-    // Token and attention side by side, each in whole blocks of elements.
-    const int64_t token_size = Padded<Element>(size_);
-    const int64_t hidden = from.mlp_token.bias.size();
-    Affine mlp_in;
-    mlp_in.bias = from.mlp_token.bias;
-    mlp_in.weight.setZero(hidden, token_size + heads_ * head_size_);
-    mlp_in.weight.leftCols(size_) = from.mlp_token.weight;
-    const int64_t head_size = size_ / heads_;
-    for (int64_t head = 0; head < heads_; ++head) {
-      mlp_in.weight.middleCols(token_size + head * head_size_, head_size) =
-          from.mlp_attend.weight.middleCols(head * head_size, head_size);
-    }
-    Layer layer = {pack_heads(from.q), pack_heads(from.k), pack_heads(from.v),
-                   Pack<Element>(mlp_in, Padded<Element>(hidden)),
-                   Pack<Element>(from.mlp_out, Padded<Element>(size_))};
-    layer.mlp_in.blocks0 = ElementBlocks<Element>(size_);
-    layer.mlp_in.blocks1 = ElementBlocks<Element>(heads_ * head_size_);
-    hidden_size_ = std::max(hidden_size_, layer.mlp_in.columns);
-    layers_.push_back(std::move(layer));
-  }
-  final_ = Pack<Element>(weights.final_projection, Padded<float>(size_));
-}
-
-template <typename Element>
-template <typename Operand>
 kernels::MatMul<Operand> GraphNetwork<Element>::Product(const Linear<Operand>& linear,
                                                         const Operand* rows, int64_t block_stride,
                                                         int64_t count) const {
   return {.a0 = rows,
           .a0_block_stride = block_stride,
           .a0_blocks = linear.blocks0,
-          .b = linear.weights.data(),
+          .b = linear.weights,
           .bias = linear.bias.data(),
           .columns = linear.columns,
           .rows = count};
@@ -192,17 +116,17 @@ void GraphNetwork<Element>::Encode(const Features& features, const Band& band, I
     inputs[i * kBlock] = (features.keypoints(row, 0) - width / 2.0F) / scale;
     inputs[i * kBlock + 1] = (features.keypoints(row, 1) - height / 2.0F) / scale;
     inputs[i * kBlock + 2] = features.scores[row];
-    for (int64_t block = 0; block < BlocksOf(size_); ++block) {
+    for (int64_t block = 0; block < BlocksOf(weights_.size); ++block) {
       float* const token = image.tokens + block * image.stride + row * kBlock;
-      const int64_t channels = std::min<int64_t>(kBlock, size_ - block * kBlock);
+      const int64_t channels = std::min<int64_t>(kBlock, weights_.size - block * kBlock);
       std::copy_n(&features.descriptors(row, block * kBlock), channels, token);
       std::fill(token + channels, token + kBlock, 0.0F);
     }
   }
-  for (std::size_t i = 0; i < encoder_.size(); ++i) {
+  for (std::size_t i = 0; i < weights_.encoder.size(); ++i) {
     kernels::MatMul<float> product =
-        Product<float>(encoder_[i], scratch.encoder[i % 2], stride, band.rows);
-    if (i + 1 < encoder_.size()) {
+        Product<float>(weights_.encoder[i], scratch.encoder[i % 2], stride, band.rows);
+    if (i + 1 < weights_.encoder.size()) {
       product.relu = true;
       SetOutput(scratch.encoder[(i + 1) % 2], stride, product);
     } else {
@@ -227,13 +151,13 @@ void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image&
     SetOutput(out, block_stride, product);
     kernels::Multiply(*kernels_, product);
   };
-  const int64_t blocks = ElementBlocks<Element>(head_size_);
+  const int64_t blocks = ElementBlocks<Element>(weights_.head_size);
   const int64_t head_elements = blocks * image.stride;
   const int64_t band_stride = band.rows * kBlock;
 
   multiply(layer.q, image.q + band.begin * kBlock, image.stride);
   multiply(layer.k, scratch.attended, band_stride);
-  for (int64_t head = 0; head < heads_; ++head) {
+  for (int64_t head = 0; head < weights_.heads; ++head) {
     kernels::PackRows(scratch.attended + head * blocks * band_stride, band_stride, blocks,
                       band.rows,
                       image.k[key_set] + head * head_elements + band.begin * blocks * kBlock);
@@ -242,7 +166,7 @@ void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image&
     multiply(layer.v, image.v[key_set] + band.begin * kBlock, image.stride);
   } else {
     multiply(layer.v, scratch.attended, band_stride);
-    kernels::PackValues(scratch.attended, band_stride, heads_ * blocks, band.rows,
+    kernels::PackValues(scratch.attended, band_stride, weights_.heads * blocks, band.rows,
                         image.v[key_set] + band.begin / 2 * kBlock, image.stride / 2);
   }
 }
@@ -250,9 +174,9 @@ void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image&
 template <typename Element>
 void GraphNetwork<Element>::RunLayer(const Layer& layer, const Band& band, Image& image,
                                      const Image& source, int key_set, Scratch& scratch) const {
-  const int64_t blocks = ElementBlocks<Element>(head_size_);
+  const int64_t blocks = ElementBlocks<Element>(weights_.head_size);
   const int64_t band_stride = band.rows * kBlock;
-  for (int64_t head = 0; head < heads_; ++head) {
+  for (int64_t head = 0; head < weights_.heads; ++head) {
     kernels::Attend<Element>(*kernels_,
                              {.q = image.q + head * blocks * image.stride + band.begin * kBlock,
                               .q_block_stride = image.stride,
@@ -279,7 +203,7 @@ void GraphNetwork<Element>::RunLayer(const Layer& layer, const Band& band, Image
   kernels::MatMul<Element> second =
       Product<Element>(layer.mlp_out, scratch.hidden, band_stride, band.rows);
   second.residual = image.tokens + band.begin * kBlock;
-  second.columns = BlocksOf(size_) * kBlock;
+  second.columns = BlocksOf(weights_.size) * kBlock;
   second.c = image.tokens + band.begin * kBlock;
   second.c_block_stride = image.stride;
   if constexpr (!std::is_same_v<Element, float>) {
@@ -294,8 +218,9 @@ Projected GraphNetwork<Element>::Run(const Features& features0, const Features& 
   Arena& arena = workspace.arena;
   ThreadPool& pool = workspace.pool;
   const std::array<const Features*, 2> features = {&features0, &features1};
-  std::array<Image, 2> images = {Image(features0.size(), size_, heads_ * head_size_, arena),
-                                 Image(features1.size(), size_, heads_ * head_size_, arena)};
+  std::array<Image, 2> images = {
+      Image(features0.size(), weights_.size, weights_.heads * weights_.head_size, arena),
+      Image(features1.size(), weights_.size, weights_.heads * weights_.head_size, arena)};
 
   // Bands of about the same height that keep the register tiles full, and enough of them for all
   // threads.
@@ -321,15 +246,15 @@ Projected GraphNetwork<Element>::Run(const Features& features0, const Features& 
   const TensorView<float> scores =
       arena.Allocate<float>({pool.size(), kernels::AttentionScratchFloats(most)});
   const TensorView<Element> attended = arena.Allocate<Element>(
-      {pool.size(), heads_ * head_size_ / kChannelsPer<Element> * band_rows});
-  const TensorView<Element> hidden =
-      arena.Allocate<Element>({pool.size(), hidden_size_ / kChannelsPer<Element> * band_rows});
-  const TensorView<float> encoder =
-      arena.Allocate<float>({pool.size(), 2 * std::max<int64_t>(widest_, kBlock) * band_rows});
+      {pool.size(), weights_.heads * weights_.head_size / kChannelsPer<Element> * band_rows});
+  const TensorView<Element> hidden = arena.Allocate<Element>(
+      {pool.size(), weights_.hidden_size / kChannelsPer<Element> * band_rows});
+  const TensorView<float> encoder = arena.Allocate<float>(
+      {pool.size(), 2 * std::max<int64_t>(weights_.widest, kBlock) * band_rows});
   // Step 0 encodes, step i + 1 is layer i, and the last one projects. First in a step is the image
   // that attends to keys and values which are all there while the last bands of the step before are
   // still at work: from one layer of cross-attention to the next the images take turns.
-  const auto layers = static_cast<int64_t>(layers_.size());
+  const auto layers = static_cast<int64_t>(weights_.layers.size());
   const int64_t bands = bands0 + bands1;
   StepProgress progress(arena.Allocate<int32_t>({2 * (layers + 2)}).data(),
                         arena.Allocate<int32_t>({bands}).data(), {bands0, bands1}, layers + 2);
@@ -354,7 +279,7 @@ Projected GraphNetwork<Element>::Run(const Features& features0, const Features& 
     if (step > 0 && step <= layers) {
       const int source = is_cross(step - 1) ? 1 - band.image : band.image;
       progress.WaitForImage(step - 1, source);
-      RunLayer(layers_[step - 1], band, image, images[source],
+      RunLayer(weights_.layers[step - 1], band, image, images[source],
                static_cast<int>((step - 1) % kKeySets), scratch);
     }
     if (step < layers) {
@@ -362,24 +287,24 @@ Projected GraphNetwork<Element>::Run(const Features& features0, const Features& 
         progress.WaitForImage(step - 2, 0);
         progress.WaitForImage(step - 2, 1);
       }
-      Project(layers_[step], band, image, static_cast<int>(step % kKeySets), scratch);
+      Project(weights_.layers[step], band, image, static_cast<int>(step % kKeySets), scratch);
     }
     if (step == layers + 1) {
-      kernels::MatMul<Element> product =
-          Product(final_, image.operands + band.begin * kBlock, image.stride, band.rows);
+      kernels::MatMul<Element> product = Product(
+          weights_.final_projection, image.operands + band.begin * kBlock, image.stride, band.rows);
       // Of image 0 to its place, of image 1 to be packed.
       float* const rows = scratch.encoder[0];
       product.c = band.image == 0 ? image.projected + band.begin * kBlock : rows;
       product.c_block_stride = band.image == 0 ? image.stride : band.rows * kBlock;
       kernels::Multiply(*kernels_, product);
       if (band.image == 1) {
-        kernels::PackRows(rows, band.rows * kBlock, BlocksOf(size_), band.rows,
-                          image.projected + band.begin * BlocksOf(size_) * kBlock);
+        kernels::PackRows(rows, band.rows * kBlock, BlocksOf(weights_.size), band.rows,
+                          image.projected + band.begin * BlocksOf(weights_.size) * kBlock);
       }
     }
     progress.Pass(step, band.image, index);
   });
-  return {images[0].projected, images[0].stride, BlocksOf(size_), images[1].projected};
+  return {images[0].projected, images[0].stride, BlocksOf(weights_.size), images[1].projected};
 }
 
 template class GraphNetwork<float>;

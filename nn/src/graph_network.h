@@ -1,11 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "gluevo/nn/features.h"
-#include "gluevo/nn/tensor.h"
 #include "gluevo/nn/workspace.h"
+#include "graph_network_weights.h"
 #include "kernels/kernels.h"
 #include "superglue_weights.h"
 
@@ -31,32 +30,20 @@ struct Projected {
 template <typename Element>
 class GraphNetwork {
  public:
-  GraphNetwork(const SuperGlueWeights& weights, const kernels::Kernels& kernels);
+  GraphNetwork(const SuperGlueWeights& weights, const kernels::Kernels& kernels)
+      : kernels_(&kernels), weights_(weights) {}
 
-  int layers() const { return static_cast<int>(layers_.size()); }
+  int layers() const { return static_cast<int>(weights_.layers.size()); }
 
   /// Both images have at least one keypoint, with descriptors of the right size.
   Projected Run(const Features& features0, const Features& features1, Workspace& workspace) const;
 
  private:
-  // A product with packed weights; the left operand may have a second part.
-  template <typename Operand>
-  struct Linear {
-    int64_t blocks0 = 0;
-    int64_t blocks1 = 0;
-    int64_t columns = 0;  // Whole blocks.
-    Tensor<Operand> weights;
-    Tensor<float> bias;
-  };
-  struct Layer {
-    Linear<Element> q, k, v, mlp_in, mlp_out;
-  };
+  using Layer = typename GraphNetworkWeights<Element>::Layer;
   struct Image;
   struct Scratch;
   struct Band;
 
-  template <typename Operand>
-  static Linear<Operand> Pack(const Affine& affine, int64_t columns);
   template <typename Operand>
   kernels::MatMul<Operand> Product(const Linear<Operand>& linear, const Operand* rows,
                                    int64_t block_stride, int64_t count) const;
@@ -68,14 +55,7 @@ class GraphNetwork {
                 int key_set, Scratch& scratch) const;
 
   const kernels::Kernels* kernels_;
-  int64_t size_ = 0;
-  int64_t heads_ = 0;
-  int64_t head_size_ = 0;    // Channels of a head, whole blocks of elements.
-  int64_t hidden_size_ = 0;  // Widest of the layers' hidden ones, whole blocks of elements.
-  int64_t widest_ = 0;       // Of the encoder, whole blocks.
-  std::vector<Linear<float>> encoder_;
-  std::vector<Layer> layers_;
-  Linear<Element> final_;
+  GraphNetworkWeights<Element> weights_;
 };
 
 extern template class GraphNetwork<float>;
