@@ -228,7 +228,7 @@ void Run(RunArguments& arguments, CLI::App& command) {
   if (map) {
     WriteMap(arguments.map, *map);
   }
-  std::cout << metrics.Summary(evaluation) << "results: " << arguments.output.string() << '\n';
+  std::cout << metrics.Summary(context) << "results: " << arguments.output.string() << '\n';
 }
 
 }  // namespace

@@ -84,19 +84,22 @@ double RunMetrics::Duration() const {
   return run_start_ ? Milliseconds(frame_end_ - *run_start_) / 1000.0 : 0.0;
 }
 
-std::vector<std::string> RunMetrics::Warnings() const {
+std::vector<std::string> RunMetrics::Warnings(const std::string& method) const {
   std::vector<std::string> warnings;
+  const bool has_weights = method != "klt";
   // The first frame has nothing to be tracked from.
   constexpr double kNextToNothing = 15.0;
   if (frames_.size() > 1 && MedianMatches(&vo::FrameResult::tracked) < kNextToNothing) {
     warnings.emplace_back(
-        "matching from frame to frame yields next to nothing: do the weights of SuperPoint and "
-        "SuperGlue belong together?");
+        "matching from frame to frame yields next to nothing" +
+        std::string(method == "superglue"
+                        ? ": do the weights of SuperPoint and SuperGlue belong together?"
+                        : ": do frames follow each other too slowly?"));
   }
   if (!frames_.empty() && MedianMatches(&vo::FrameResult::stereo) < kNextToNothing) {
     warnings.emplace_back(
-        "matching from left to right yields next to nothing: do the weights belong together, and "
-        "does the calibration fit the images?");
+        "matching from left to right yields next to nothing: does the calibration fit the images" +
+        std::string(has_weights ? ", and do the weights belong together?" : "?"));
   }
   if (Resets() > 0) {
     warnings.push_back("tracking was lost " + std::to_string(Resets()) +
@@ -109,7 +112,7 @@ RunReport RunMetrics::Report(const Context& context) const {
   RunReport report;
   report.method = context.method;
   report.frames = frames_;
-  report.warnings = Warnings();
+  report.warnings = Warnings(context.method);
   report.evaluation = context.evaluation;
   report.evaluation_failure = context.evaluation_failure;
   report.duration_s = Duration();
@@ -150,7 +153,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
          {"end_s", static_cast<double>(frames_[end - 1].timestamp_ns) * 1e-9}});
     begin = end;
   }
-  json["warnings"] = Warnings();
+  json["warnings"] = Warnings(context.method);
   const double duration = Duration();
   json["duration_s"] = duration;
   json["frames_per_second"] = duration > 0.0 ? static_cast<double>(frames_.size()) / duration : 0.0;
@@ -188,7 +191,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << json.dump(2) << '\n'; });
 }
 
-std::string RunMetrics::Summary(const std::optional<vo::Evaluation>& evaluation) const {
+std::string RunMetrics::Summary(const Context& context) const {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1);
   text << frames_.size() << " frames, " << Resets() + 1
@@ -196,10 +199,10 @@ std::string RunMetrics::Summary(const std::optional<vo::Evaluation>& evaluation)
        << static_cast<double>(frames_.size()) / std::max(Duration(), 1e-9)
        << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
        << " tracked, " << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
-  for (const std::string& warning : Warnings()) {
+  for (const std::string& warning : Warnings(context.method)) {
     text << "warning: " << warning << '\n';
   }
-  if (evaluation) {
+  if (const std::optional<vo::Evaluation>& evaluation = context.evaluation; evaluation) {
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "
          << evaluation->ate_sim3_m << " m (Sim3, scale " << evaluation->scale << "); RPE "
          << std::setprecision(3) << evaluation->rpe_translation_percent << " %, "

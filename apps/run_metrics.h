@@ -43,9 +43,9 @@ class RunMetrics {
   /// Throws Error where the file cannot be written.
   void Write(const std::filesystem::path& path, const Context& context) const;
   /// A few lines for people.
-  std::string Summary(const std::optional<vo::Evaluation>& evaluation) const;
+  std::string Summary(const Context& context) const;
   /// What a user should know about how the run went, a line each.
-  std::vector<std::string> Warnings() const;
+  std::vector<std::string> Warnings(const std::string& method) const;
 
  private:
   using Clock = std::chrono::steady_clock;
