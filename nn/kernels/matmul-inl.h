@@ -18,13 +18,19 @@ namespace gluevo::nn::kernels::GLUEVO_SET_NAMESPACE {
 // Rows that share one panel of b while it is close.
 inline constexpr int64_t kRowChunk = 56;
 
+// max(this, sum) is the ReLU or nothing, and in this order what is not a number stays so.
+template <typename Element>
+HWY_INLINE Vector LeastOf(const MatMul<Element>& p) {
+  return hn::Set(Tag(), p.relu ? 0.0F : -std::numeric_limits<float>::infinity());
+}
+
 // Sums of `rows` rows of one vector of columns, `stride` floats apart, to their places: ReLU,
 // residual, rounding.
 template <typename Element>
 HWY_INLINE void StoreColumns(const MatMul<Element>& p, const float* HWY_RESTRICT sums,
                              int64_t stride, int64_t row, int64_t rows, int64_t column) {
   const Tag d;
-  const Vector least = hn::Set(d, p.relu ? 0.0F : -std::numeric_limits<float>::infinity());
+  const Vector least = LeastOf(p);
   const int64_t at = row * p.c_stride + column / kBlock * p.c_block_stride + column % kBlock;
   float* c = p.c != nullptr ? p.c + at : nullptr;
   const float* residual = p.residual != nullptr ? p.residual + at : nullptr;
@@ -35,7 +41,6 @@ HWY_INLINE void StoreColumns(const MatMul<Element>& p, const float* HWY_RESTRICT
   const int lane = static_cast<int>(column % (2 * kBlock));
   const int64_t count = std::min<int64_t>(kLanes, p.columns - column);
   for (int64_t r = 0; r < rows; ++r, sums += stride) {
-    // In this order what is not a number stays so.
     Vector value = hn::Max(least, hn::Load(d, sums));
     if (HWY_LIKELY(count == kLanes)) {
       if (residual != nullptr) {
@@ -80,6 +85,10 @@ HWY_NOINLINE void MultiplyPanel(const MatMul<Element>& p, int64_t row_begin, int
   constexpr int64_t kPanelBlocks = (kVectors * kLanes + kBlock - 1) / kBlock;
   Ahead<Element> ahead =
       PanelAhead<kVectors>(b + kPanelBlocks * b_block_stride, row_end - row_begin);
+  // Most products need nothing but this.
+  const bool plain = p.c != nullptr && p.residual == nullptr && p.rounded == nullptr &&
+                     column + kVectors * kLanes <= p.columns;
+  const Vector least = LeastOf(p);
   ForBalancedTiles(row_begin, row_end, [&]<int kRows>(int64_t row) HWY_ATTR {
     Tile<kRows, kVectors> tile;
     InitTile(tile, p.bias != nullptr ? p.bias + column : nullptr);
@@ -87,6 +96,17 @@ HWY_NOINLINE void MultiplyPanel(const MatMul<Element>& p, int64_t row_begin, int
                      ahead);
     AccumulateBlocks(tile, p.a1 + row * kBlock, p.a1_block_stride, p.a1_blocks,
                      b + p.a0_blocks * kBlock * kBlock, b_block_stride, ahead);
+    if (HWY_LIKELY(plain)) {
+      float* c = p.c + row * p.c_stride + column / kBlock * p.c_block_stride + column % kBlock;
+      HWY_UNROLL(16)
+      for (int r = 0; r < kRows; ++r, c += p.c_stride) {
+        HWY_UNROLL(16)
+        for (int v = 0; v < kVectors; ++v) {
+          hn::StoreU(hn::Max(least, tile.v[r][v]), Tag(), c + VectorOffset(v, p.c_block_stride));
+        }
+      }
+      return;
+    }
     alignas(64) float sums[kRows * kVectors * kLanes];
     StoreTile(tile, sums);
     StoreRows<kVectors>(p, sums, row, kRows, column);
