@@ -2,8 +2,7 @@
 
 namespace gluevo::vo {
 
-std::optional<Eigen::Vector3d> Eye::PointAt(const Eigen::Vector2d& pixel) const {
-  const Eigen::Vector2d ray = camera_.Undistort(pixel);
+std::optional<Eigen::Vector3d> Eye::PointAlong(const Eigen::Vector2d& ray) const {
   if (!ray.allFinite()) return std::nullopt;
   const Eigen::Vector3d direction = world_from_cam_.rotation * ray.homogeneous();
   const std::optional<SurfaceHit> hit = view_.Cast(direction);

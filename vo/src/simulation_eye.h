@@ -22,7 +22,11 @@ class Eye {
 
   /// The point of the world, metres, that is seen at a pixel; nothing where the camera has no ray
   /// and from outside the room.
-  std::optional<Eigen::Vector3d> PointAt(const Eigen::Vector2d& pixel) const;
+  std::optional<Eigen::Vector3d> PointAt(const Eigen::Vector2d& pixel) const {
+    return PointAlong(camera_.Undistort(pixel));
+  }
+  /// The same by the pixel's ray on the plane z = 1, which Camera::Undistort gives.
+  std::optional<Eigen::Vector3d> PointAlong(const Eigen::Vector2d& ray) const;
 
   /// The pixel that shows a point of a surface; nothing where that is outside the image, or where
   /// something more than 0.1 mm nearer hides the point.

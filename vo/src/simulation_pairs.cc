@@ -143,13 +143,26 @@ void Append(const SimulatedBox& box, std::vector<double>* boxes) {
   boxes->push_back(box.yaw);
 }
 
-void FindCorrespondences(const std::vector<Eye>& eyes, const std::vector<float>& grid, Room* room) {
+/// Rays of the grid's pixels, of each camera.
+using GridRays = std::array<std::vector<Eigen::Vector2d>, 2>;
+
+GridRays RaysOf(const std::vector<float>& grid, const StereoRig& rig) {
+  GridRays rays;
+  for (std::size_t i = 0; i < grid.size(); i += 2) {
+    for (const int camera : {0, 1}) {
+      rays[camera].push_back(rig.cameras[camera].Undistort({grid[i], grid[i + 1]}));
+    }
+  }
+  return rays;
+}
+
+void FindCorrespondences(const std::vector<Eye>& eyes, const GridRays& rays, Room* room) {
   constexpr double kLeastOverlap = 0.1;
-  const std::size_t count = grid.size() / 2;
+  const std::size_t count = rays[0].size();
   std::vector<std::vector<std::optional<Eigen::Vector3d>>> points(eyes.size());
   for (std::size_t view = 0; view < eyes.size(); ++view) {
-    for (std::size_t i = 0; i < count; ++i) {
-      points[view].push_back(eyes[view].PointAt({grid[2 * i], grid[2 * i + 1]}));
+    for (const Eigen::Vector2d& ray : rays[view % 2]) {
+      points[view].push_back(eyes[view].PointAlong(ray));
     }
   }
   // Of the ordered pair (first, second), kept until the other order is known, too.
@@ -186,8 +199,8 @@ void FindCorrespondences(const std::vector<Eye>& eyes, const std::vector<float>&
   }
 }
 
-Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer,
-                      const std::vector<float>& grid, uint64_t seed) {
+Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer, const GridRays& rays,
+                      uint64_t seed) {
   RandomStream random(seed);
   const StereoRig& rig = renderer.rig();
   RoomPlan plan;
@@ -233,7 +246,7 @@ Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer,
     room.cameras.insert(room.cameras.end(),
                         {model.fx, model.fy, model.cx, model.cy, k[0], k[1], k[2], k[3]});
   }
-  FindCorrespondences(eyes, grid, &room);
+  FindCorrespondences(eyes, rays, &room);
   return room;
 }
 
@@ -284,9 +297,10 @@ void SimulatePairs(const PairOptions& options, const std::filesystem::path& dire
   for (int first = 0; first < options.rooms; first += kRoomsPerFile) {
     const int file_number = first / kRoomsPerFile;
     const Renderer renderer(DrawRig(options, Hash(options.seed, 1, file_number)), threads);
+    const GridRays rays = RaysOf(grid, renderer.rig());
     std::vector<Room> rooms(std::min(kRoomsPerFile, options.rooms - first));
     ParallelFor(static_cast<int>(rooms.size()), threads, [&](int i) {
-      rooms[i] = MakeTrainingRoom(options, renderer, grid, Hash(options.seed, 2, first + i));
+      rooms[i] = MakeTrainingRoom(options, renderer, rays, Hash(options.seed, 2, first + i));
       const std::lock_guard<std::mutex> lock(progress_mutex);
       if (progress) progress(++done, options.rooms);
     });

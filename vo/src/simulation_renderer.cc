@@ -13,6 +13,16 @@ Texture::Sampler SamplerOf(const FaceView& face, float a, const RayGrid::Tile& t
   return face.texture->At(Log2Footprint(face, a, tile));
 }
 
+/// The face that all four rays of a pixel meet, if there is one.
+const FaceView* OfAllRays(const TileFaces& seen, const Eigen::Vector2f* rays) {
+  if (seen.only != nullptr) return seen.only;
+  const FaceView* const face = seen.Meet(rays[0]);
+  for (int i = 1; i < kSamplesPerSide * kSamplesPerSide; ++i) {
+    if (seen.Meet(rays[i]) != face) return nullptr;
+  }
+  return face;
+}
+
 /// The sum over the four rays of a pixel that all meet one face, by vectors: the same as ray by
 /// ray.
 float SumOfPixel(const FaceView& face, const Eigen::Vector2f* rays, const RayGrid::Tile& tile) {
@@ -55,8 +65,8 @@ void Renderer::Accumulate(const SimulatedWorld& world, int camera, const Rigid3&
       float* const line = sums->ptr<float>(y);
       for (int x = tile.left; x < tile.right; ++x) {
         const Eigen::Vector2f* const rays = grid.RaysOf(x, y);
-        if (seen.only != nullptr && step == 1) {
-          line[x] += SumOfPixel(*seen.only, rays, tile);
+        if (const FaceView* const face = step == 1 ? OfAllRays(seen, rays) : nullptr; face) {
+          line[x] += SumOfPixel(*face, rays, tile);
           continue;
         }
         const FaceView* last = nullptr;
