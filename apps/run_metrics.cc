@@ -86,7 +86,6 @@ double RunMetrics::Duration() const {
 
 std::vector<std::string> RunMetrics::Warnings(const std::string& method) const {
   std::vector<std::string> warnings;
-  const bool has_weights = method != "klt";
   // The first frame has nothing to be tracked from.
   constexpr double kNextToNothing = 15.0;
   if (frames_.size() > 1 && MedianMatches(&vo::FrameResult::tracked) < kNextToNothing) {
@@ -99,7 +98,7 @@ std::vector<std::string> RunMetrics::Warnings(const std::string& method) const {
   if (!frames_.empty() && MedianMatches(&vo::FrameResult::stereo) < kNextToNothing) {
     warnings.emplace_back(
         "matching from left to right yields next to nothing: does the calibration fit the images" +
-        std::string(has_weights ? ", and do the weights belong together?" : "?"));
+        std::string(method != "klt" ? ", and do the weights belong together?" : "?"));
   }
   if (Resets() > 0) {
     warnings.push_back("tracking was lost " + std::to_string(Resets()) +

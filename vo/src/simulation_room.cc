@@ -105,8 +105,9 @@ void Bake(SimulatedBox* box, int index, const Cover& cover, const Light& light,
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();
     normal[axis] = inward ? -side : side;
     normal = box->WorldFromBox(normal) - box->center;
-    const double width = box->FaceSize(face).x();
-    const double height = box->FaceSize(face).y();
+    const Eigen::Vector2d size = box->FaceSize(face);
+    const double width = size.x();
+    const double height = size.y();
     const Pattern pattern = cover(face, width, height);
     const LightMap light_map(width, height, [&](double u, double v) {
       Eigen::Vector3d point = corner;

@@ -40,8 +40,9 @@ void AddFaces(const SimulatedBox& box, int index, const Rigid3& world_from_cam,
     view.along_u = ToForm(homography.row(0));
     view.along_v = ToForm(homography.row(1));
     view.distance = static_cast<float>(distance);
-    view.width = static_cast<float>(2.0 * box.half_size[u_axis]);
-    view.height = static_cast<float>(2.0 * box.half_size[v_axis]);
+    const Eigen::Vector2f size = box.FaceSize(face).cast<float>();
+    view.width = size.x();
+    view.height = size.y();
     view.log2_scale = static_cast<float>(std::log2(distance * distance));
     view.texture = &box.faces[face];
     view.box = index;
