@@ -162,6 +162,8 @@ TEST(NpzTest, RefusesShapesThatOverflowOrHaveTooManyAxes) {
                 "an extent that overflows");
   ExpectRefused(OfDictionary(Dictionary("<f4", "(4294967296, 4294967296)")), kDictionary,
                 "overflow");
+  ExpectRefused(OfDictionary(Dictionary("<f4", "(0, 11, 777777777777777777, 3)")), kDictionary,
+                "overflow");
   ExpectRefused(OfDictionary(Dictionary("<f4", "(1, 1, 1, 1, 1)")), kDictionary, "rank 5");
 }
 

@@ -16,6 +16,7 @@ TEST(ShapeTest, SizeIsTheProductOfTheExtents) {
 TEST(ShapeTest, RefusesNegativeOverflowingAndTooManyExtents) {
   EXPECT_THROW((Shape{-1}), Error);
   EXPECT_THROW((Shape{int64_t{1} << 40, int64_t{1} << 40}), Error);
+  EXPECT_THROW((Shape{0, int64_t{1} << 40, int64_t{1} << 40}), Error);
   EXPECT_THROW((Shape{1, 1, 1, 1, 1}), Error);
 }
 

@@ -24,7 +24,8 @@ class Shape {
   static constexpr int kMaxRank = 4;
 
   Shape() = default;
-  /// Throws Error for a rank above kMaxRank, a negative extent or a size that overflows.
+  /// Throws Error for a rank above kMaxRank, a negative extent or a size that overflows, extents of
+  /// zero not counted.
   Shape(std::initializer_list<int64_t> extents) : Shape(extents.begin(), extents.size()) {}
   Shape(const int64_t* extents, std::size_t rank);
 
