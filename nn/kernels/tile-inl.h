@@ -42,13 +42,10 @@ inline constexpr int kTileVectors = 2;
 // Steps of depth without a loop's own instructions in between. Where a processor core runs two
 // threads, they share what it takes up in a cycle, and a step in a loop of its own takes so much
 // that the multiply-adds wait: beside a busy other thread 75 % of the peak instead of 85.
-#if HWY_TARGET == HWY_AVX2
 template <typename Element>
-inline constexpr int kTileSteps = std::is_same_v<Element, float> ? kBlock : 1;
-#else
-template <typename Element>
-inline constexpr int kTileSteps = 1;
-#endif
+inline constexpr int kTileSteps = std::is_same_v<Element, float> && (HWY_TARGET == HWY_AVX2)
+                                      ? kBlock
+                                      : 1;
 
 template <int kRows, int kVectors>
 struct Tile {

@@ -20,10 +20,18 @@ namespace gluevo::nn::kernels {
 
 std::vector<const Kernels*> VectorizedKernels() {
 #if HWY_ARCH_X86
-  const int64_t supported = hwy::SupportedTargets();
+  int64_t supported = hwy::SupportedTargets();
+  // Highway 1.0.3 takes it for granted that a system saves wide registers where it cannot be asked
+  // which ones; the compiler's check does not.
+  if (!__builtin_cpu_supports("avx2")) {
+    supported &= ~HWY_AVX2;
+  }
+  if (!__builtin_cpu_supports("avx512f")) {
+    supported &= ~HWY_AVX3;
+  }
   std::vector<const Kernels*> tables;
-  const auto add_if_supported = [&](int64_t target, bool system_supports, const Kernels& table) {
-    if ((supported & target) != 0 && system_supports) {
+  const auto add_if_supported = [&](int64_t target, const Kernels& table) {
+    if ((supported & target) != 0) {
       tables.push_back(&table);
     }
   };
@@ -31,11 +39,9 @@ std::vector<const Kernels*> VectorizedKernels() {
   if ((supported & HWY_SSE4) == 0) {
     tables.push_back(&ScalarKernels());
   }
-  add_if_supported(HWY_SSE4, true, N_SSE4::Table());
-  // Highway 1.0.3 takes it for granted that a system saves wide registers where it cannot be asked
-  // which ones; the compiler's check does not.
-  add_if_supported(HWY_AVX2, __builtin_cpu_supports("avx2") != 0, N_AVX2::Table());
-  add_if_supported(HWY_AVX3, __builtin_cpu_supports("avx512f") != 0, N_AVX3::Table());
+  add_if_supported(HWY_SSE4, N_SSE4::Table());
+  add_if_supported(HWY_AVX2, N_AVX2::Table());
+  add_if_supported(HWY_AVX3, N_AVX3::Table());
   if (const Kernels* const table = Avx512Bf16Kernels(); table != nullptr) {
     tables.push_back(table);
   }
