@@ -4,7 +4,7 @@
 #include <string>
 
 #include "command_line.h"
-#include "gluevo/vo/dataset.h"
+#include "gluevo/vo/io/dataset.h"
 
 namespace gluevo::apps {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "command_line.h"
-#include "gluevo/vo/odometry.h"
+#include "gluevo/vo/pipeline/odometry.h"
 
 namespace gluevo::apps {
 

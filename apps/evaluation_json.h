@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "gluevo/vo/evaluation.h"
-#include "gluevo/vo/segment_evaluation.h"
+#include "gluevo/vo/evaluation/evaluation.h"
+#include "gluevo/vo/evaluation/segment_evaluation.h"
 
 namespace gluevo::apps {
 

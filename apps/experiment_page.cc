@@ -5,7 +5,7 @@
 #include <sstream>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/segment_evaluation.h"
+#include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "markup.h"
 #include "run_stamp.h"
 #include "segments_file.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "experiment_file.h"
-#include "gluevo/vo/dataset.h"
+#include "gluevo/vo/io/dataset.h"
 
 namespace gluevo::apps {
 

@@ -8,8 +8,8 @@
 
 #include "commands.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/feature_files.h"
-#include "gluevo/vo/network_matcher.h"
+#include "gluevo/vo/frontend/feature_files.h"
+#include "gluevo/vo/frontend/network_matcher.h"
 #include "image_files.h"
 #include "network_options.h"
 #include "progress.h"

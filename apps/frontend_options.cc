@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
-#include "gluevo/vo/network_matcher.h"
-#include "gluevo/vo/superpoint_frontend.h"
+#include "gluevo/vo/frontend/network_matcher.h"
+#include "gluevo/vo/frontend/superpoint_frontend.h"
 #include "option_defaults.h"
 
 namespace gluevo::apps {

@@ -6,10 +6,10 @@
 #include "command_line.h"
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/nn/thread_pool.h"
-#include "gluevo/vo/frontend.h"
-#include "gluevo/vo/klt_frontend.h"
-#include "gluevo/vo/learned_frontend.h"
-#include "gluevo/vo/superpoint_frontend.h"
+#include "gluevo/vo/frontend/frontend.h"
+#include "gluevo/vo/frontend/klt_frontend.h"
+#include "gluevo/vo/frontend/learned_frontend.h"
+#include "gluevo/vo/frontend/superpoint_frontend.h"
 #include "network_options.h"
 
 namespace gluevo::apps {

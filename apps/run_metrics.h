@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "command_line.h"
-#include "gluevo/vo/evaluation.h"
-#include "gluevo/vo/odometry.h"
-#include "gluevo/vo/segment_evaluation.h"
+#include "gluevo/vo/evaluation/evaluation.h"
+#include "gluevo/vo/evaluation/segment_evaluation.h"
+#include "gluevo/vo/pipeline/odometry.h"
 #include "network_options.h"
 #include "report/run_report.h"
 

@@ -3,8 +3,8 @@
 #include <string>
 
 #include "command_line.h"
-#include "gluevo/vo/dataset.h"
-#include "gluevo/vo/match_store.h"
+#include "gluevo/vo/frontend/match_store.h"
+#include "gluevo/vo/io/dataset.h"
 #include "network_options.h"
 
 namespace gluevo::apps {

@@ -10,7 +10,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/output_file.h"
-#include "gluevo/vo/dataset.h"
+#include "gluevo/vo/io/dataset.h"
 
 namespace gluevo::apps {
 namespace {

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <vector>
 
-#include "gluevo/vo/trajectory.h"
+#include "gluevo/vo/core/trajectory.h"
 
 namespace gluevo::apps {
 

@@ -7,8 +7,8 @@
 #include <optional>
 
 #include "commands.h"
-#include "gluevo/vo/simulation.h"
-#include "gluevo/vo/simulation_pairs.h"
+#include "gluevo/vo/simulation/pairs.h"
+#include "gluevo/vo/simulation/simulation.h"
 #include "progress.h"
 
 namespace gluevo::apps {

@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "gluevo/vo/segment_evaluation.h"
-#include "gluevo/vo/trajectory.h"
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/evaluation/segment_evaluation.h"
 
 namespace gluevo::apps {
 

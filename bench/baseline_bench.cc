@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
-#include "gluevo/vo/dataset.h"
-#include "gluevo/vo/klt_frontend.h"
-#include "gluevo/vo/odometry.h"
+#include "gluevo/vo/frontend/klt_frontend.h"
+#include "gluevo/vo/io/dataset.h"
+#include "gluevo/vo/pipeline/odometry.h"
 
 namespace gluevo::vo {
 namespace {

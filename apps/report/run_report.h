@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "gluevo/vo/evaluation.h"
-#include "gluevo/vo/odometry.h"
-#include "gluevo/vo/trajectory.h"
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/evaluation/evaluation.h"
+#include "gluevo/vo/pipeline/odometry.h"
 #include "strip.h"
 
 namespace gluevo::apps {

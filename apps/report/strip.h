@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "gluevo/vo/dataset.h"
-#include "gluevo/vo/odometry.h"
+#include "gluevo/vo/io/dataset.h"
+#include "gluevo/vo/pipeline/odometry.h"
 
 namespace gluevo::apps {
 

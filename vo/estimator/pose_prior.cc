@@ -1,0 +1,176 @@
+#include "gluevo/vo/estimator/pose_prior.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace gluevo::vo {
+namespace {
+
+constexpr int kPose = PosePrior::kPose;
+constexpr int kTurn = PosePrior::kTurn;
+
+// Directions that are known less well than this share of the best known one are not known at all:
+// their values are rounding errors.
+constexpr double kLeastShare = 1e-10;
+
+// d Log(exp(v) exp(d)) / d d at d = 0: the inverse of the right Jacobian of SO(3) (Forster et al.
+// 2017, eq. 8 and following).
+Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& v) {
+  const double angle = v.norm();
+  const Eigen::Matrix3d cross = Skew(v);
+  // (1 - (a / 2) cot(a / 2)) / a^2, by its series near 0.
+  const double quadratic = angle < 1e-3
+                               ? 1.0 / 12.0 + angle * angle / 720.0
+                               : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
+  return Eigen::Matrix3d::Identity() + 0.5 * cross + quadratic * cross * cross;
+}
+
+}  // namespace
+
+Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
+                            const Eigen::Quaterniond& body_from_right) {
+  return LogSo3(body_from_right.conjugate() * body_from_right_before);
+}
+
+std::optional<std::size_t> PosePrior::Find(int64_t frame_id) const {
+  const auto found = std::lower_bound(frame_ids.begin(), frame_ids.end(), frame_id);
+  if (found == frame_ids.end() || *found != frame_id) {
+    return std::nullopt;
+  }
+  return static_cast<std::size_t>(found - frame_ids.begin());
+}
+
+Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
+                                 const Eigen::Quaterniond& present_body_from_right) const {
+  Eigen::VectorXd delta(kPose * present.size() + kTurn);
+  for (std::size_t i = 0; i < present.size(); ++i) {
+    delta.segment<kPose>(kPose * i) = PoseManifold::Minus(present[i], world_from_body[i]);
+  }
+  delta.tail<kTurn>() = TurnBetween(body_from_right, present_body_from_right);
+  return delta;
+}
+
+PosePriorFactor::PosePriorFactor(const PosePrior& prior, const Eigen::Quaterniond& body_from_right)
+    : prior_(prior), turn_so_far_(TurnBetween(prior.body_from_right, body_from_right)) {
+  for (std::size_t i = 0; i < prior.frame_ids.size(); ++i) {
+    mutable_parameter_block_sizes()->push_back(PoseManifold::kAmbientSize);
+  }
+  mutable_parameter_block_sizes()->push_back(kTurn);
+  set_num_residuals(static_cast<int>(prior.residual.size()));
+}
+
+bool PosePriorFactor::Evaluate(double const* const* parameters, double* residuals,
+                               double** jacobians) const {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const std::size_t frames = prior_.frame_ids.size();
+  Eigen::VectorXd delta(prior_.jacobian.cols());
+  for (std::size_t i = 0; i < frames; ++i) {
+    delta.segment<kPose>(kPose * i) =
+        PoseManifold::Minus(ToRigid3(parameters[i]), prior_.world_from_body[i]);
+  }
+  delta.tail<kTurn>() = turn_so_far_ + Eigen::Map<const Eigen::Vector3d>(parameters[frames]);
+  Eigen::Map<Eigen::VectorXd> residual(residuals, num_residuals());
+  residual = prior_.residual + prior_.jacobian * delta;
+  if (jacobians == nullptr) {
+    return true;
+  }
+  for (std::size_t i = 0; i < frames; ++i) {
+    if (jacobians[i] == nullptr) {
+      continue;
+    }
+    Eigen::Matrix<double, kPose, PoseManifold::kAmbientSize, Eigen::RowMajor> minus;
+    PoseManifold().MinusJacobian(parameters[i], minus.data());
+    Eigen::Matrix<double, kPose, kPose> by_step = Eigen::Matrix<double, kPose, kPose>::Identity();
+    by_step.bottomRightCorner<3, 3>() = InverseRightJacobian(delta.segment<3>(kPose * i + 3));
+    Eigen::Map<RowMajor> jacobian(jacobians[i], num_residuals(), PoseManifold::kAmbientSize);
+    jacobian = prior_.jacobian.middleCols<kPose>(kPose * i) * by_step * minus;
+  }
+  if (jacobians[frames] != nullptr) {
+    Eigen::Map<RowMajor> jacobian(jacobians[frames], num_residuals(), kTurn);
+    jacobian = prior_.jacobian.rightCols<kTurn>();
+  }
+  return true;
+}
+
+Marginalizer::Marginalizer(std::vector<int64_t> frame_ids, std::vector<Rigid3> linearization_points,
+                           const Eigen::Quaterniond& body_from_right_at_linearization)
+    : state_{std::move(frame_ids),
+             std::move(linearization_points),
+             body_from_right_at_linearization,
+             {},
+             {}},
+      hessian_(Eigen::MatrixXd::Zero(kPose * state_.frame_ids.size() + kTurn,
+                                     kPose * state_.frame_ids.size() + kTurn)),
+      gradient_(Eigen::VectorXd::Zero(hessian_.rows())) {}
+
+void Marginalizer::AddPrior(const PosePrior& prior) {
+  Eigen::MatrixXd by_state = Eigen::MatrixXd::Zero(prior.jacobian.rows(), hessian_.cols());
+  for (std::size_t i = 0; i < prior.frame_ids.size(); ++i) {
+    by_state.middleCols<kPose>(kPose * *state_.Find(prior.frame_ids[i])) =
+        prior.jacobian.middleCols<kPose>(kPose * i);
+  }
+  by_state.rightCols<kTurn>() = prior.jacobian.rightCols<kTurn>();
+  hessian_ += by_state.transpose() * by_state;
+  gradient_ += by_state.transpose() * prior.residual;
+}
+
+void Marginalizer::AddLandmark(const Eigen::MatrixXd& by_state,
+                               const Eigen::Matrix<double, Eigen::Dynamic, 3>& by_landmark,
+                               const Eigen::VectorXd& residual, const Eigen::VectorXd& delta) {
+  // What the landmark cannot explain: the part of residuals and derivatives that is orthogonal to
+  // its own derivatives (Mourikis and Roumeliotis 2007, eq. 24). Where its depth is not
+  // determined, that is one more dimension.
+  const Eigen::ColPivHouseholderQR<Eigen::Matrix<double, Eigen::Dynamic, 3>> qr(by_landmark);
+  const Eigen::Index rows = residual.size() - qr.rank();
+  Eigen::MatrixXd rest(residual.size(), by_state.cols() + 1);
+  rest << by_state, residual - by_state * delta;
+  rest.applyOnTheLeft(qr.householderQ().adjoint());
+  const auto jacobian = rest.bottomLeftCorner(rows, by_state.cols());
+  hessian_.noalias() += jacobian.transpose() * jacobian;
+  gradient_.noalias() += jacobian.transpose() * rest.col(by_state.cols()).tail(rows);
+}
+
+PosePrior WithoutFrame(const PosePrior& prior, int64_t frame_id) {
+  Marginalizer marginalizer(prior.frame_ids, prior.world_from_body, prior.body_from_right);
+  marginalizer.AddPrior(prior);
+  return marginalizer.Eliminate(frame_id);
+}
+
+PosePrior Marginalizer::Eliminate(int64_t frame_id) const {
+  const std::size_t index = *state_.Find(frame_id);
+  PosePrior prior = state_;
+  prior.frame_ids.erase(prior.frame_ids.begin() + static_cast<std::ptrdiff_t>(index));
+  prior.world_from_body.erase(prior.world_from_body.begin() + static_cast<std::ptrdiff_t>(index));
+
+  const auto first = static_cast<Eigen::Index>(kPose * index);
+  const Eigen::Index behind = hessian_.rows() - first - kPose;
+  std::vector<Eigen::Index> kept, dropped;
+  for (Eigen::Index i = 0; i < hessian_.rows(); ++i) {
+    (i >= first && i < hessian_.rows() - behind ? dropped : kept).push_back(i);
+  }
+  // Schur complement, by the pseudo-inverse: what was dropped may itself be known only in part.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_dropped(hessian_(dropped, dropped));
+  const double least = kLeastShare * hessian_.diagonal().maxCoeff();
+  const Eigen::VectorXd inverse_values =
+      (of_dropped.eigenvalues().array() > least)
+          .select(of_dropped.eigenvalues().cwiseInverse(), Eigen::VectorXd::Zero(kPose));
+  const Eigen::MatrixXd inverse = of_dropped.eigenvectors() * inverse_values.asDiagonal() *
+                                  of_dropped.eigenvectors().transpose();
+  const Eigen::MatrixXd gain = hessian_(kept, dropped) * inverse;
+  const Eigen::MatrixXd hessian = hessian_(kept, kept) - gain * hessian_(dropped, kept);
+  const Eigen::VectorXd gradient = gradient_(kept) - gain * gradient_(dropped);
+
+  // J = S^1/2 V^T and r0 = S^-1/2 V^T gradient, so that J^T J and J^T r0 are these again.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_kept(hessian);
+  const Eigen::Index rows = (of_kept.eigenvalues().array() > least).count();
+  const Eigen::VectorXd roots = of_kept.eigenvalues().tail(rows).cwiseSqrt();
+  const auto vectors = of_kept.eigenvectors().rightCols(rows);
+  prior.jacobian = roots.asDiagonal() * vectors.transpose();
+  prior.residual = roots.cwiseInverse().asDiagonal() * (vectors.transpose() * gradient);
+  return prior;
+}
+
+}  // namespace gluevo::vo

@@ -1,0 +1,332 @@
+#include "gluevo/vo/estimator/sliding_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/geometry/projection.h"
+
+namespace gluevo::vo {
+namespace {
+
+// u, v, inverse depth of a point of the camera's frame; nothing for one that is not in front.
+std::optional<Eigen::Vector3d> ToInverseDepth(const Eigen::Vector3d& point_in_cam) {
+  if (!IsInFront(point_in_cam)) {
+    return std::nullopt;
+  }
+  return Eigen::Vector3d(point_in_cam.x(), point_in_cam.y(), 1.0) / point_in_cam.z();
+}
+
+}  // namespace
+
+void SlidingWindowOptions::Validate() const {
+  CheckAtLeast(size, 3, "window.size");
+  CheckPositive(noise, "window.noise");
+  CheckPositive(huber, "window.huber");
+  CheckAtLeast(max_iterations, 1, "window.max_iterations");
+  CheckPositive(max_mean_error, "window.max_mean_error");
+  CheckPositive(keyframe_parallax, "window.keyframe_parallax");
+  CheckAtLeast(min_tracked, 0, "window.min_tracked");
+  CheckAtLeast(min_long_tracked, 0, "window.min_long_tracked");
+  CheckAtLeast(long_track, 2, "window.long_track");
+  CheckPositive(max_new_share, "window.max_new_share");
+  if (!(right_turn_sigma >= 0.0) || !std::isfinite(right_turn_sigma)) {
+    throw Error("option window.right_turn_sigma is " + std::to_string(right_turn_sigma) +
+                "; expected 0 or a positive number");
+  }
+  triangulation.Validate();
+}
+
+SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options)
+    : rig_(rig), calibrated_body_from_right_(rig.body_from_cam[1].rotation), options_(options) {
+  options_.Validate();
+}
+
+std::size_t SlidingWindow::CountLandmarks() const {
+  return static_cast<std::size_t>(
+      std::count_if(landmarks_.begin(), landmarks_.end(),
+                    [](const auto& entry) { return entry.second.point.has_value(); }));
+}
+
+std::vector<MapPoint> SlidingWindow::MapPoints() const {
+  std::vector<MapPoint> points;
+  for (const auto& [id, landmark] : landmarks_) {
+    if (landmark.point) {
+      const Rigid3 world_from_anchor =
+          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+      points.push_back(
+          {landmark.track_id,
+           world_from_anchor *
+               Eigen::Vector3d(landmark.point->head<2>().homogeneous() / landmark.point->z())});
+    }
+  }
+  return points;
+}
+
+std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
+  const auto found = std::lower_bound(frames_.begin(), frames_.end(), frame_id,
+                                      [](const Frame& frame, int64_t id) { return frame.id < id; });
+  return static_cast<std::size_t>(found - frames_.begin());
+}
+
+template <typename Visitor>
+void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
+  const Rigid3 anchor_from_world =
+      (FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0]).Inverse();
+  for (const LandmarkView& view : landmark.views) {
+    const Rigid3 anchor_from_body = anchor_from_world * FrameOf(view).world_from_body;
+    visit((anchor_from_body * rig_.body_from_cam[0]).Inverse(), view.left);
+    if (view.right) {
+      visit((anchor_from_body * rig_.body_from_cam[1]).Inverse(), *view.right);
+    }
+  }
+}
+
+AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
+  const Rigid3 world_from_anchor =
+      FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+  return {world_from_anchor.translation,
+          world_from_anchor.rotation * landmark.point->head<2>().homogeneous(),
+          landmark.point->z()};
+}
+
+double SlidingWindow::InverseDepthSigma(const Landmark& landmark, double noise) const {
+  // The information of all views on (u, v, inverse depth), the poses taken as known.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  ForEachView(landmark, [&](const Rigid3& cam_from_anchor, const Eigen::Vector2d&) {
+    const Eigen::Vector3d in_cam =
+        cam_from_anchor.rotation * landmark.point->head<2>().homogeneous() +
+        landmark.point->z() * cam_from_anchor.translation;
+    if (IsInFront(in_cam)) {
+      Eigen::Matrix3d by_point = cam_from_anchor.rotation.toRotationMatrix();
+      by_point.col(2) = cam_from_anchor.translation;
+      const Eigen::Matrix<double, 2, 3> jacobian = ProjectionJacobian(in_cam) * by_point;
+      information += jacobian.transpose() * jacobian;
+    }
+  });
+  const double variance = noise * noise * information.inverse()(2, 2);
+  return std::isfinite(variance) && variance > 0.0 ? std::sqrt(variance) : landmark.point->z();
+}
+
+std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const TrackedFrame& frame,
+                                                                     double noise) const {
+  std::vector<Correspondence> correspondences;
+  for (std::size_t i = 0; i < frame.observations.size(); ++i) {
+    const Observation& observation = frame.observations[i];
+    const auto track = landmark_of_track_.find(observation.track_id);
+    if (track == landmark_of_track_.end()) {
+      continue;
+    }
+    const Landmark& landmark = landmarks_.at(track->second);
+    if (landmark.point) {
+      AnchoredPoint point = ToAnchoredPoint(landmark);
+      point.inverse_depth_sigma = InverseDepthSigma(landmark, noise);
+      correspondences.push_back(
+          {i, {point, observation.left, observation.has_right, observation.right}});
+    }
+  }
+  return correspondences;
+}
+
+void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from_body,
+                             const std::vector<std::optional<PnpVerdict>>& verdicts) {
+  frames_.push_back({next_frame_id_++, world_from_body});
+  std::size_t new_tracks = 0;
+  for (std::size_t i = 0; i < frame.observations.size(); ++i) {
+    const Observation& observation = frame.observations[i];
+    LandmarkView view{frames_.back().id, observation.left, std::nullopt};
+    if (observation.has_right && verdicts[i] != PnpVerdict::kInlierLeft) {
+      view.right = observation.right;
+    }
+    const auto track = landmark_of_track_.find(observation.track_id);
+    if (track == landmark_of_track_.end() || verdicts[i] == PnpVerdict::kOutlier) {
+      landmark_of_track_[observation.track_id] = next_landmark_id_;
+      landmarks_[next_landmark_id_++] = {observation.track_id, {view}, std::nullopt};
+      ++new_tracks;
+    } else {
+      Landmark& landmark = landmarks_.at(track->second);
+      landmark.views.push_back(view);
+      ++landmark.observations;
+    }
+  }
+  DecideKeyframe(new_tracks);
+}
+
+void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
+  Frame& newest = frames_.back();
+  std::size_t tracked = 0;
+  std::size_t long_tracked = 0;
+  for (const auto& [id, landmark] : landmarks_) {
+    if (landmark.observations > 1 && landmark.views.back().frame_id == newest.id) {
+      ++tracked;
+      long_tracked += landmark.observations >= options_.long_track;
+    }
+  }
+  newest.lost_tracks = frames_.size() < 2 ||
+                       tracked < static_cast<std::size_t>(options_.min_tracked) ||
+                       long_tracked < static_cast<std::size_t>(options_.min_long_tracked) ||
+                       static_cast<double>(new_tracks) > options_.max_new_share * tracked;
+  newest.is_keyframe = newest.lost_tracks;
+  if (!newest.is_keyframe) {
+    const auto last_keyframe = std::find_if(std::next(frames_.rbegin()), frames_.rend(),
+                                            [](const Frame& frame) { return frame.is_keyframe; });
+    newest.is_keyframe = last_keyframe == frames_.rend() ||
+                         MeanParallax(last_keyframe->id, newest.id) >= options_.keyframe_parallax;
+  }
+}
+
+double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
+  double sum = 0.0;
+  int count = 0;
+  for (const auto& [id, landmark] : landmarks_) {
+    const auto see = [&](int64_t frame_id) {
+      return std::find_if(landmark.views.begin(), landmark.views.end(),
+                          [&](const LandmarkView& view) { return view.frame_id == frame_id; });
+    };
+    const auto view0 = see(frame_id0);
+    const auto view1 = see(frame_id1);
+    if (view0 != landmark.views.end() && view1 != landmark.views.end()) {
+      sum += (view1->left - view0->left).norm();
+      ++count;
+    }
+  }
+  // Frames that share nothing are as far apart as can be.
+  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+}
+
+void SlidingWindow::Triangulate() {
+  const int64_t newest_id = frames_.back().id;
+  for (auto& [id, landmark] : landmarks_) {
+    if (landmark.point) {
+      continue;
+    }
+    landmark.point = TriangulateViews(landmark.views);
+    // One wrong view must not keep a point from ever getting a depth: the newest counts.
+    if (!landmark.point && landmark.views.size() > 1 &&
+        landmark.views.back().frame_id == newest_id) {
+      const std::vector<LandmarkView> newest = {landmark.views.back()};
+      if (const auto point = TriangulateViews(newest)) {
+        landmark.views = newest;
+        landmark.observations = 1;
+        landmark.point = point;
+      }
+    }
+  }
+}
+
+std::optional<Eigen::Vector3d> SlidingWindow::TriangulateViews(
+    const std::vector<LandmarkView>& landmark_views) const {
+  std::vector<View> views;
+  for (const LandmarkView& view : landmark_views) {
+    const Rigid3& world_from_body = FrameOf(view).world_from_body;
+    views.push_back({(world_from_body * rig_.body_from_cam[0]).Inverse(), view.left});
+    if (view.right) {
+      views.push_back({(world_from_body * rig_.body_from_cam[1]).Inverse(), *view.right});
+    }
+  }
+  const auto point_in_world = vo::Triangulate(views, options_.triangulation);
+  if (!point_in_world) {
+    return std::nullopt;
+  }
+  return ToInverseDepth(views.front().cam_from_world * *point_in_world);
+}
+
+std::optional<double> SlidingWindow::MeanReprojectionError(const Landmark& landmark) const {
+  double sum = 0.0;
+  int count = 0;
+  bool in_front = true;
+  ForEachView(landmark, [&](const Rigid3& cam_from_anchor, const Eigen::Vector2d& seen) {
+    const Eigen::Vector3d in_cam =
+        cam_from_anchor.rotation * landmark.point->head<2>().homogeneous() +
+        landmark.point->z() * cam_from_anchor.translation;
+    in_front = in_front && IsInFront(in_cam);
+    sum += (in_cam.hnormalized() - seen).norm();
+    ++count;
+  });
+  if (!in_front) {
+    return std::nullopt;
+  }
+  return sum / count;
+}
+
+void SlidingWindow::RemoveOutliers() {
+  for (auto it = landmarks_.begin(); it != landmarks_.end();) {
+    const Landmark& landmark = it->second;
+    if (!landmark.point) {
+      ++it;
+      continue;
+    }
+    const bool in_front = landmark.point->z() > 0.0;
+    const auto error = in_front ? MeanReprojectionError(landmark) : std::nullopt;
+    if (error && *error <= options_.max_mean_error) {
+      ++it;
+    } else if (landmark.views.back().frame_id == frames_.back().id) {
+      // The track goes on: what the newest frame sees may be right.
+      it->second.views = {landmark.views.back()};
+      it->second.observations = 1;
+      it->second.point = TriangulateViews(landmark.views);
+      ++it;
+    } else {
+      it = Erase(it);
+    }
+  }
+}
+
+void SlidingWindow::Slide() {
+  if (frames_.size() < static_cast<std::size_t>(options_.size)) {
+    return;
+  }
+  const std::size_t newest_but_one = frames_.size() - 2;
+  if (!frames_[newest_but_one].is_keyframe && !frames_.back().lost_tracks) {
+    if (prior_ && prior_->Find(frames_[newest_but_one].id)) {
+      prior_ = WithoutFrame(*prior_, frames_[newest_but_one].id);
+    }
+    DropFrame(newest_but_one);
+    return;
+  }
+  if (options_.marginalize) {
+    MarginalizeOldest();
+  }
+  DropFrame(0);
+}
+
+void SlidingWindow::DropFrame(std::size_t index) {
+  const int64_t frame_id = frames_[index].id;
+  for (auto it = landmarks_.begin(); it != landmarks_.end();) {
+    Landmark& landmark = it->second;
+    const auto view = std::find_if(landmark.views.begin(), landmark.views.end(),
+                                   [&](const LandmarkView& v) { return v.frame_id == frame_id; });
+    if (view == landmark.views.end()) {
+      ++it;
+      continue;
+    }
+    const bool is_anchor = view == landmark.views.begin();
+    std::optional<Eigen::Vector3d> point_in_world;
+    if (is_anchor && landmark.point) {
+      point_in_world = ToAnchoredPoint(landmark).InWorld();
+    }
+    landmark.views.erase(view);
+    if (landmark.views.empty()) {
+      it = Erase(it);
+      continue;
+    }
+    if (point_in_world) {
+      const Rigid3 world_from_cam =
+          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+      landmark.point = ToInverseDepth(world_from_cam.Inverse() * *point_in_world);
+    }
+    ++it;
+  }
+  frames_.erase(frames_.begin() + static_cast<std::ptrdiff_t>(index));
+}
+
+SlidingWindow::Landmarks::iterator SlidingWindow::Erase(Landmarks::iterator landmark) {
+  const auto track = landmark_of_track_.find(landmark->second.track_id);
+  if (track != landmark_of_track_.end() && track->second == landmark->first) {
+    landmark_of_track_.erase(track);
+  }
+  return landmarks_.erase(landmark);
+}
+
+}  // namespace gluevo::vo

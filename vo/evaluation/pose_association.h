@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/evaluation/evaluation.h"
+
+namespace gluevo::vo {
+
+/// An estimated pose and the true one of the same time.
+struct PosePair {
+  const StampedPose* estimate;
+  const StampedPose* groundtruth;
+};
+
+/// |a - b|, which an int64_t may not hold.
+uint64_t TimeApart(int64_t a_ns, int64_t b_ns);
+
+/// Pairs as `Evaluation` says, in order of time; they point into the trajectories. Throws Error for
+/// options out of their range and where fewer than 3 poses associate.
+std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajectory& groundtruth,
+                                     const EvaluationOptions& options);
+
+/// Error of the estimated motion from one pose to another, in the body's frame at the latter.
+Rigid3 MotionError(const PosePair& from, const PosePair& to);
+
+/// Angle of a rotation, radians, 0 to pi.
+double AngleOf(const Rigid3& transform);
+
+/// Whether the motion from one pose to another is right within the options' bounds.
+bool IsRightMotion(const PosePair& from, const PosePair& to, const EvaluationOptions& options);
+
+}  // namespace gluevo::vo

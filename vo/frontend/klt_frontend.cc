@@ -1,0 +1,198 @@
+#include "gluevo/vo/frontend/klt_frontend.h"
+
+#include <algorithm>
+#include <chrono>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
+
+#include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/frontend/optical_flow.h"
+
+namespace gluevo::vo {
+namespace {
+
+double MsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+      .count();
+}
+
+bool IsInside(const cv::Point2f& pixel, const cv::Size& size, int border) {
+  return pixel.x >= border && pixel.y >= border && pixel.x < size.width - border &&
+         pixel.y < size.height - border;
+}
+
+Flow FollowCorners(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
+                   const std::vector<cv::Point2f>& guesses, const KltOptions& options) {
+  // On the way back the search starts at the answer: one level less coarse is enough to tell
+  // whether the point returns.
+  constexpr int kLevelsBack = 1;
+  Flow flow =
+      FollowBothWays(from, to, pixels, guesses,
+                     {options.window, options.levels, kLevelsBack, options.max_return_distance});
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    flow.found[i] =
+        flow.found[i] != 0 && IsInside(flow.pixels[i], to.front().size(), options.border);
+  }
+  return flow;
+}
+
+Eigen::Vector2d ToEigen(const cv::Point2f& point) { return {point.x, point.y}; }
+
+}  // namespace
+
+void KltOptions::Validate() const {
+  CheckAtLeast(max_corners, 1, "klt.max_corners");
+  CheckAtLeast(min_distance, 1, "klt.min_distance");
+  CheckWithin(quality, 1e-9, 1.0, "klt.quality");
+  CheckAtLeast(window, 3, "klt.window");
+  CheckAtLeast(levels, 0, "klt.levels");
+  CheckPositive(max_return_distance, "klt.max_return_distance");
+  CheckAtLeast(border, 0, "klt.border");
+  CheckPositive(max_epipolar_error_px, "klt.max_epipolar_error_px");
+  CheckPositive(fundamental_distance, "klt.fundamental_distance");
+}
+
+KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
+    : rig_(rig), epipolar_(rig), options_(options) {
+  options_.Validate();
+}
+
+TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
+  for (int camera = 0; camera < 2; ++camera) {
+    const cv::Mat& image = frame.images[camera];
+    const Camera& expected = rig_.cameras[camera];
+    if (image.type() != CV_8UC1 || image.cols != expected.width || image.rows != expected.height) {
+      throw Error("image of camera " + std::to_string(camera) + " is " +
+                  std::to_string(image.cols) + "x" + std::to_string(image.rows) +
+                  "; expected 8-bit gray, " + std::to_string(expected.width) + "x" +
+                  std::to_string(expected.height));
+    }
+  }
+  TrackedFrame result;
+  result.timestamp_ns = frame.timestamp_ns;
+  auto start = std::chrono::steady_clock::now();
+  std::swap(left_, last_left_);
+  RemakePyramid(frame.images[0], options_.window, options_.levels, left_);
+  Follow();
+  result.stages_ms["klt_track"] = MsSince(start);
+  start = std::chrono::steady_clock::now();
+  AddCorners(frame.images[0]);
+  result.stages_ms["klt_detect"] = MsSince(start);
+  start = std::chrono::steady_clock::now();
+  if (options_.stereo) {
+    RemakePyramid(frame.images[1], options_.window, options_.levels, right_);
+  }
+  MatchStereo(result);
+  result.stages_ms["klt_stereo"] = MsSince(start);
+  return result;
+}
+
+void KltFrontEnd::Follow() {
+  std::vector<cv::Point2f> pixels;
+  std::vector<cv::Point2f> guesses;
+  for (const Corner& track : tracks_) {
+    pixels.push_back(track.pixel);
+    guesses.push_back(options_.predict ? track.pixel + track.motion : track.pixel);
+  }
+  const Flow flow = FollowCorners(last_left_, left_, pixels, guesses, options_);
+  std::vector<Corner> before;
+  std::vector<Corner> after;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (flow.found[i] != 0) {
+      before.push_back(tracks_[i]);
+      after.push_back({tracks_[i].id, tracks_[i].length + 1, flow.pixels[i],
+                       flow.pixels[i] - tracks_[i].pixel});
+    }
+  }
+  tracks_ = std::move(after);
+  if (options_.reject_by_fundamental) {
+    RejectByFundamental(before);
+  }
+}
+
+void KltFrontEnd::RejectByFundamental(const std::vector<Corner>& before) {
+  constexpr std::size_t kFewest = 8;
+  if (tracks_.size() < kFewest) {
+    return;
+  }
+  // Without distortion, at VINS-Fusion's virtual focal length.
+  const auto undistort = [&](const cv::Point2f& pixel) {
+    const Eigen::Vector2d point = 460.0 * rig_.cameras[0].Undistort(ToEigen(pixel));
+    return cv::Point2d(point.x(), point.y());
+  };
+  std::vector<cv::Point2d> points0, points1;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    points0.push_back(undistort(before[i].pixel));
+    points1.push_back(undistort(tracks_[i].pixel));
+  }
+  std::vector<uchar> inliers;
+  cv::findFundamentalMat(points0, points1, cv::FM_RANSAC, options_.fundamental_distance, 0.99,
+                         inliers);
+  if (inliers.size() != tracks_.size()) {
+    return;
+  }
+  std::vector<Corner> kept;
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    if (inliers[i] != 0) {
+      kept.push_back(tracks_[i]);
+    }
+  }
+  tracks_ = std::move(kept);
+}
+
+void KltFrontEnd::AddCorners(const cv::Mat& image) {
+  std::stable_sort(tracks_.begin(), tracks_.end(),
+                   [](const Corner& a, const Corner& b) { return a.length > b.length; });
+  cv::Mat mask(image.size(), CV_8UC1, cv::Scalar(255));
+  std::vector<Corner> kept;
+  for (const Corner& track : tracks_) {
+    if (mask.at<uchar>(track.pixel) != 0) {
+      kept.push_back(track);
+      cv::circle(mask, track.pixel, options_.min_distance, cv::Scalar(0), cv::FILLED);
+    }
+  }
+  tracks_ = std::move(kept);
+  const int missing = options_.max_corners - static_cast<int>(tracks_.size());
+  if (missing <= 0) {
+    return;
+  }
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(image, corners, missing, options_.quality, options_.min_distance, mask);
+  for (const cv::Point2f& corner : corners) {
+    tracks_.push_back({next_id_++, 1, corner});
+  }
+}
+
+void KltFrontEnd::MatchStereo(TrackedFrame& result) const {
+  std::vector<cv::Point2f> pixels;
+  for (const Corner& track : tracks_) {
+    pixels.push_back(track.pixel);
+  }
+  const Flow flow = options_.stereo ? FollowCorners(left_, right_, pixels, pixels, options_)
+                                    : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
+  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+    Observation observation;
+    observation.track_id = tracks_[i].id;
+    observation.left_pixel = ToEigen(tracks_[i].pixel);
+    observation.left = rig_.cameras[0].Undistort(observation.left_pixel);
+    if (!observation.left.allFinite()) {
+      continue;  // Beyond the camera model there is no ray.
+    }
+    observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
+    const Eigen::Vector2d right_pixel = ToEigen(flow.pixels[i]);
+    const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(right_pixel);
+    // False, too, where a pixel is beyond the camera model and has no ray.
+    if (flow.found[i] != 0 &&
+        epipolar_.Distance(observation.left, in_right) <= options_.max_epipolar_error_px) {
+      observation.has_right = true;
+      observation.right_pixel = right_pixel;
+      observation.right = in_right;
+      observation.stereo_confidence = 1.0F;
+    }
+    result.observations.push_back(observation);
+  }
+}
+
+}  // namespace gluevo::vo

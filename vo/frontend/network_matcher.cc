@@ -1,0 +1,96 @@
+#include "gluevo/vo/frontend/network_matcher.h"
+
+#include <utility>
+
+#include "gluevo/nn/error.h"
+#include "gluevo/nn/nearest_neighbor.h"
+
+namespace gluevo::vo {
+namespace {
+
+class SuperPointExtractor : public FeatureExtractor {
+ public:
+  SuperPointExtractor(std::shared_ptr<const nn::SuperPoint> network,
+                      const nn::SuperPointOptions& options, nn::ThreadPool& pool)
+      : network_(std::move(network)), options_(options), workspace_(pool) {
+    options_.Validate();
+  }
+
+  nn::Features Extract(const cv::Mat& image) override {
+    nn::Features features;
+    network_->Extract(View(image), options_, workspace_, features);
+    return features;
+  }
+
+  nn::Features Describe(const cv::Mat& image, const nn::Features::Points& pixels) override {
+    nn::Features features;
+    features.keypoints = pixels;
+    network_->Describe(View(image), workspace_, features);
+    return features;
+  }
+
+ private:
+  static nn::GrayImage View(const cv::Mat& image) {
+    if (image.type() != CV_8UC1) {
+      throw Error("an image that is not 8-bit gray cannot be given to SuperPoint");
+    }
+    return {.data = image.data,
+            .width = image.cols,
+            .height = image.rows,
+            .stride = static_cast<std::ptrdiff_t>(image.step[0])};
+  }
+
+  std::shared_ptr<const nn::SuperPoint> network_;
+  nn::SuperPointOptions options_;
+  nn::Workspace workspace_;
+};
+
+class SuperGlueMatcher : public Matcher {
+ public:
+  SuperGlueMatcher(std::shared_ptr<const nn::SuperGlue> network, int sinkhorn_iterations,
+                   nn::ThreadPool& pool)
+      : network_(std::move(network)), workspace_(pool) {
+    options_.sinkhorn_iterations = sinkhorn_iterations;
+    options_.Validate();
+  }
+
+  nn::Matches Match(const nn::Features& features0, const nn::Features& features1,
+                    float threshold) override {
+    options_.match_threshold = threshold;
+    nn::Matches matches;
+    network_->Match(features0, features1, options_, workspace_, matches);
+    return matches;
+  }
+
+ private:
+  std::shared_ptr<const nn::SuperGlue> network_;
+  nn::SuperGlueOptions options_;
+  nn::Workspace workspace_;
+};
+
+class NearestNeighborMatcher : public Matcher {
+ public:
+  nn::Matches Match(const nn::Features& features0, const nn::Features& features1,
+                    float threshold) override {
+    return nn::MatchNearestNeighbors(features0, features1, {.min_similarity = threshold});
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<FeatureExtractor> MakeSuperPointExtractor(
+    std::shared_ptr<const nn::SuperPoint> network, const nn::SuperPointOptions& options,
+    nn::ThreadPool& pool) {
+  return std::make_unique<SuperPointExtractor>(std::move(network), options, pool);
+}
+
+std::unique_ptr<Matcher> MakeSuperGlueMatcher(std::shared_ptr<const nn::SuperGlue> network,
+                                              int sinkhorn_iterations, nn::ThreadPool& pool) {
+  return std::make_unique<SuperGlueMatcher>(std::move(network), sinkhorn_iterations, pool);
+}
+
+std::unique_ptr<Matcher> MakeNearestNeighborMatcher() {
+  return std::make_unique<NearestNeighborMatcher>();
+}
+
+}  // namespace gluevo::vo

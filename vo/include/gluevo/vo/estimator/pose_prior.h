@@ -1,0 +1,92 @@
+#pragma once
+
+#include <ceres/cost_function.h>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "gluevo/vo/core/rigid3.h"
+#include "gluevo/vo/geometry/pose_manifold.h"
+
+namespace gluevo::vo {
+
+/// What measurements that are gone say of some poses and of the right camera's orientation: a
+/// Gaussian, kept as the residual r0 + J dx, where dx is the distance from the linearisation point
+/// (Leutenegger et al. 2015, section 3.4; Qin et al. 2018, section VI-D). The columns of J are the
+/// frames', [dp, dtheta] each (PoseManifold), then the turn's (reprojection_factors.h).
+///
+/// The linearisation point of a pose is its estimate when it first came into a prior, and stays:
+/// were derivatives of one pose taken at two places, their sum would claim to know where the rig
+/// is in the world, of which nothing was ever measured (first-estimates Jacobians, Huang et al.
+/// 2010).
+struct PosePrior {
+  static constexpr int kPose = PoseManifold::kTangentSize;
+  static constexpr int kTurn = 3;
+
+  std::vector<int64_t> frame_ids;  ///< Increasing.
+  std::vector<Rigid3> world_from_body;
+  Eigen::Quaterniond body_from_right = Eigen::Quaterniond::Identity();
+  Eigen::MatrixXd jacobian;  ///< Rows x (6 * frames + 3); residuals have no unit.
+  Eigen::VectorXd residual;  ///< r0.
+
+  /// Index of a frame in frame_ids, nothing where it has no column.
+  std::optional<std::size_t> Find(int64_t frame_id) const;
+  /// dx: the given state's distance from the linearisation point.
+  Eigen::VectorXd Delta(const std::vector<Rigid3>& world_from_body,
+                        const Eigen::Quaterniond& body_from_right) const;
+};
+
+/// The prior on the other poses when one of its frames is eliminated.
+PosePrior WithoutFrame(const PosePrior& prior, int64_t frame_id);
+
+/// The distance of a right camera's orientation from another as a turn: the rotation vector of
+/// right_from_right_before.
+Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
+                            const Eigen::Quaterniond& body_from_right);
+
+/// The prior as a residual of bundle adjustment. Parameters: world_from_body of each of the prior's
+/// frames (PoseParameters), then the turn since `body_from_right`, the present orientation.
+class PosePriorFactor final : public ceres::CostFunction {
+ public:
+  /// Keeps a reference: `prior` must outlive the factor.
+  PosePriorFactor(const PosePrior& prior, const Eigen::Quaterniond& body_from_right);
+  bool Evaluate(double const* const* parameters, double* residuals,
+                double** jacobians) const override;
+
+ private:
+  const PosePrior& prior_;
+  Eigen::Vector3d turn_so_far_;
+};
+
+/// Gathers linearised measurements of poses and the turn, and gives what they say once some of the
+/// poses are eliminated.
+class Marginalizer {
+ public:
+  /// All poses that measurements speak of: their ids (increasing) and linearisation points.
+  Marginalizer(std::vector<int64_t> frame_ids, std::vector<Rigid3> linearization_points,
+               const Eigen::Quaterniond& body_from_right_at_linearization);
+
+  /// A prior over some of the poses, with the same linearisation points.
+  void AddPrior(const PosePrior& prior);
+
+  /// All residuals of one landmark, which is eliminated at once. Rows as many as residuals,
+  /// columns: `by_state` 6 * frames + 3. `residual` is that at the present state, `delta` the
+  /// present state's distance from the linearisation point.
+  void AddLandmark(const Eigen::MatrixXd& by_state,
+                   const Eigen::Matrix<double, Eigen::Dynamic, 3>& by_landmark,
+                   const Eigen::VectorXd& residual, const Eigen::VectorXd& delta);
+
+  /// The prior on the poses that remain when `frame_id` is eliminated.
+  PosePrior Eliminate(int64_t frame_id) const;
+
+ private:
+  PosePrior state_;  // frames and linearisation points; no rows
+  Eigen::MatrixXd hessian_;
+  Eigen::VectorXd gradient_;  // J^T r0, at the linearisation point
+};
+
+}  // namespace gluevo::vo

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <opencv2/core/mat.hpp>
+#include <vector>
+
+#include "gluevo/vo/frontend/frontend.h"
+#include "gluevo/vo/frontend/optical_flow.h"
+#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/epipolar.h"
+
+namespace gluevo::vo {
+
+/// Constants of VINS-Fusion's front end (its EuRoC configuration; KITTI: 200 corners).
+struct KltOptions {
+  int max_corners = 150;
+  /// Between two tracks, pixels.
+  int min_distance = 30;
+  /// Least corner response, as a share of the best one's.
+  double quality = 0.01;
+  /// Side of the patch that is followed, pixels, and number of coarser pyramid levels.
+  int window = 21;
+  int levels = 3;
+  /// A point followed forth and back must return this close to where it was, pixels.
+  double max_return_distance = 0.5;
+  /// Points closer to the image's edge are given up, pixels.
+  int border = 1;
+  /// A stereo match farther than this from its epipolar line is none, pixels. VINS-Fusion has no
+  /// such check.
+  double max_epipolar_error_px = 1.5;
+  /// Start the search where the track would be if it moved on as it did last.
+  bool predict = true;
+  /// Reject tracks by a fundamental matrix (RANSAC, this distance in pixels at focal length 460).
+  bool reject_by_fundamental = false;
+  double fundamental_distance = 1.0;
+  /// Follow the points into the right image.
+  bool stereo = true;
+
+  /// Throws Error naming the option.
+  void Validate() const;
+};
+
+/// The baseline: Shi-Tomasi corners (Shi and Tomasi 1994) followed by pyramidal Lucas-Kanade
+/// (Bouguet 2001) from frame to frame and from left to right.
+class KltFrontEnd final : public FrontEnd {
+ public:
+  /// Throws Error for options out of their range.
+  KltFrontEnd(const StereoRig& rig, const KltOptions& options);
+  TrackedFrame Track(const StereoFrame& frame) override;
+
+ private:
+  struct Corner {
+    int64_t id = 0;
+    int length = 1;           // frames
+    cv::Point2f pixel;        // in the newest left image
+    cv::Point2f motion = {};  // pixels, since the frame before
+  };
+
+  void Follow();
+  void RejectByFundamental(const std::vector<Corner>& before);
+  void AddCorners(const cv::Mat& image);
+  void MatchStereo(TrackedFrame& result) const;
+
+  StereoRig rig_;
+  EpipolarCheck epipolar_;
+  KltOptions options_;
+  std::vector<Corner> tracks_;
+  Pyramid left_, right_, last_left_;
+  int64_t next_id_ = 0;
+};
+
+}  // namespace gluevo::vo

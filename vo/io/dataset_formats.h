@@ -1,0 +1,39 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/io/dataset.h"
+
+// One reader a format. Each lists all frames, reads the calibration and finds the ground truth; the
+// choice of frames is not theirs. A folder Is... of a format also where parts of it are missing, so
+// that the reader can name them.
+namespace gluevo::vo {
+
+bool IsEuroc(const std::filesystem::path& root);
+Dataset OpenEuroc(const std::filesystem::path& root, const DatasetOptions& options);
+
+bool IsKittiOdometry(const std::filesystem::path& root);
+Dataset OpenKittiOdometry(const std::filesystem::path& root, const DatasetOptions& options);
+
+bool IsKittiRaw(const std::filesystem::path& root);
+Dataset OpenKittiRaw(const std::filesystem::path& root, const DatasetOptions& options);
+
+bool IsPlain(const std::filesystem::path& root);
+Dataset OpenPlain(const std::filesystem::path& root, const DatasetOptions& options);
+
+/// Throws Error naming `what` unless the folder is there.
+void CheckFolder(const std::filesystem::path& folder, const std::string& what);
+/// Throws Error unless the file is there.
+void CheckImageFile(const std::filesystem::path& file);
+/// Image files (.png, .jpg, .jpeg, .pgm, .bmp, .tif, .tiff; hidden ones left out) of a folder in
+/// the order of names.
+std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder);
+/// Width and height of an image file. Throws Error where it cannot be read.
+std::array<int, 2> ImageSize(const std::filesystem::path& file);
+/// Absolute and without a slash at its end, so that parent_path() is the folder above.
+std::filesystem::path FolderPath(const std::filesystem::path& folder);
+
+}  // namespace gluevo::vo

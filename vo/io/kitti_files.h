@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/geometry/camera.h"
+
+// What KITTI's odometry sequences and raw drives share (Geiger et al. 2012 and 2013).
+namespace gluevo::vo {
+
+/// The "KEY: numbers" lines of KITTI's calibration files; lines whose values are no finite numbers
+/// (dates) are left out.
+class KittiCalibration {
+ public:
+  /// Throws Error naming the file, and the line that has no key.
+  explicit KittiCalibration(const std::filesystem::path& path);
+
+  const std::filesystem::path& path() const { return path_; }
+  bool Has(const std::string& key) const { return values_.contains(key); }
+  /// Throws Error naming file and key where it is missing or has not `count` numbers.
+  const std::vector<double>& Get(const std::string& key, std::size_t count) const;
+
+ private:
+  std::filesystem::path path_;
+  std::map<std::string, std::vector<double>> values_;
+};
+
+/// Two rectified cameras of one size with the projections P = K [I | t] under the two keys. The
+/// body is the left camera. Throws Error where a projection is missing or malformed, or where the
+/// right camera is not to the right of the left one.
+StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std::string, 2>& keys,
+                       const std::array<int, 2>& size);
+
+/// A stereo pair by its number in KITTI's naming (000012.png).
+struct NumberedPair {
+  std::size_t number = 0;
+  std::array<std::filesystem::path, 2> images;
+};
+
+/// The images of two folders whose names are numbers, in their order; other files are left out.
+/// Throws Error naming the image that is missing in either folder, a number that is there twice,
+/// and a folder that is missing or has no images.
+std::vector<NumberedPair> ListNumberedPairs(const std::array<std::filesystem::path, 2>& folders);
+
+}  // namespace gluevo::vo

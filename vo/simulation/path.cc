@@ -1,0 +1,165 @@
+#include "path.h"
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "gluevo/nn/error.h"
+#include "gluevo/vo/simulation/simulation.h"
+
+namespace gluevo::vo {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Time that has a smooth start: 0 until 0, then faster, and of unit rate from `ramp_s` on, half a
+/// ramp behind. The rate rises as x - sin(2 pi x) / (2 pi), whose first two derivatives vanish at
+/// both ends.
+double EasedTime(double time_s, double ramp_s) {
+  if (time_s <= 0.0) return 0.0;
+  if (time_s >= ramp_s) return time_s - 0.5 * ramp_s;
+  const double x = time_s / ramp_s;
+  const double integral = 0.5 * x * x + (std::cos(2.0 * kPi * x) - 1.0) / (4.0 * kPi * kPi);
+  return ramp_s * integral;
+}
+
+/// The body that looks along `forward` with its head turned by `roll` (to the right, radians).
+Eigen::Quaterniond LookAlong(const Eigen::Vector3d& forward, double roll) {
+  const Eigen::Vector3d z = forward.normalized();
+  const Eigen::Vector3d y = z.cross(Eigen::Vector3d::UnitZ()).normalized();
+  Eigen::Matrix3d world_from_body;
+  world_from_body << y.cross(z), y, z;
+  return Eigen::Quaterniond(world_from_body) *
+         Eigen::Quaterniond(Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()));
+}
+
+/// One lap of an oval in 20 s, eyes along the path and wandering a little; laps repeat exactly.
+Rigid3 HallLoop(double time_s) {
+  constexpr double kLapS = 20.0;
+  constexpr double kRampS = 2.0;
+  constexpr double kHalfLength = 3.4;
+  constexpr double kHalfWidth = 2.2;
+  const double phase = 2.0 * kPi * EasedTime(time_s, kRampS) / (kLapS - 0.5 * kRampS);
+  const double tangent = std::atan2(kHalfWidth * std::cos(phase), -kHalfLength * std::sin(phase));
+  const double yaw = tangent + 0.2 * std::sin(2.0 * phase);
+  const double pitch = 0.08 * std::sin(3.0 * phase);
+  const double roll = 0.06 * std::sin(2.0 * phase + 0.7);
+  const Eigen::Vector3d forward(std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch),
+                                std::sin(pitch));
+  const Eigen::Vector3d position(kHalfLength * std::cos(phase), kHalfWidth * std::sin(phase),
+                                 1.5 + 0.25 * std::sin(2.0 * phase));
+  return {LookAlong(forward, roll), position};
+}
+
+/// A step from 0 to 1 over one unit of time, its first two derivatives 0 at both ends.
+double Step(double x) {
+  if (x <= 0.0 || x >= 1.0) return x <= 0.0 ? 0.0 : 1.0;
+  return x - std::sin(2.0 * kPi * x) / (2.0 * kPi);
+}
+
+Eigen::Vector3d Direction(double yaw, double pitch) {
+  return {std::cos(yaw) * std::cos(pitch), std::sin(yaw) * std::cos(pitch), std::sin(pitch)};
+}
+
+/// A lying eight (Gerono's lemniscate) in 20 s, eyes along the path: turns both ways.
+Rigid3 FigureEight(double time_s) {
+  constexpr double kLapS = 20.0;
+  constexpr double kRampS = 2.0;
+  const double phase = 2.0 * kPi * EasedTime(time_s, kRampS) / (kLapS - 0.5 * kRampS);
+  const double yaw = std::atan2(3.6 * std::cos(2.0 * phase), -3.2 * std::sin(phase));
+  const Eigen::Vector3d position(3.2 * std::cos(phase), 1.8 * std::sin(2.0 * phase),
+                                 1.4 + 0.2 * std::sin(3.0 * phase));
+  return {LookAlong(Direction(yaw, 0.06 * std::sin(2.0 * phase)), 0.05 * std::sin(phase)),
+          position};
+}
+
+/// Down a corridor of 12 m and back in 20 s, turning round at its ends.
+Rigid3 Corridor(double time_s) {
+  constexpr double kLapS = 20.0;
+  constexpr double kTurnS = 4.0;
+  const double time = EasedTime(time_s, 2.0);
+  const double phase = 2.0 * kPi * time / kLapS;
+  // Half turns, centred on the ends; always to the left, so that the head goes full circle.
+  double turns = 0.0;
+  for (double end = 0.5 * kLapS; end < time + kTurnS; end += 0.5 * kLapS) {
+    turns += Step((time - end) / kTurnS + 0.5);
+  }
+  const double yaw = kPi * turns + 0.1 * std::sin(1.3 * time);
+  const Eigen::Vector3d position(-6.0 * std::cos(phase), 0.15 * std::sin(5.0 * phase),
+                                 1.4 + 0.1 * std::sin(3.0 * phase));
+  return {LookAlong(Direction(yaw, 0.04 * std::sin(0.9 * time)), 0.04 * std::sin(1.1 * time)),
+          position};
+}
+
+/// In one place as well as a flying body can: some centimetres and degrees to and fro.
+Rigid3 Hover(double time_s) {
+  const double time = EasedTime(time_s, 2.0);
+  const auto sway = [time](double size, double period_s) {
+    return size * (std::sin(2.0 * kPi * time / period_s) +
+                   0.4 * std::sin(2.0 * kPi * 2.7 * time / period_s));
+  };
+  return {LookAlong(Direction(sway(0.05, 6.1), sway(0.02, 4.3)), sway(0.02, 5.2)),
+          Eigen::Vector3d(sway(0.06, 5.0), sway(0.06, 6.7), 1.4 + sway(0.03, 4.1))};
+}
+
+/// Turning on the spot at 0.7 to 2.5 radians a second.
+Rigid3 FastYaw(double time_s) {
+  const double time = EasedTime(time_s, 2.0);
+  const double yaw = 1.6 * time + 0.6 * std::sin(1.5 * time);
+  const Eigen::Vector3d position(0.3 * std::cos(0.5 * time), 0.3 * std::sin(0.5 * time),
+                                 1.5 + 0.1 * std::sin(0.8 * time));
+  return {LookAlong(Direction(yaw, 0.05 * std::sin(1.1 * time)), 0.05 * std::sin(0.7 * time)),
+          position};
+}
+
+struct NamedPath {
+  const char* name;
+  Rigid3 (*path)(double);
+  double side_margin;
+};
+
+constexpr std::array kNamedPaths = {
+    NamedPath{"hall_loop", HallLoop, 2.6}, NamedPath{"figure_eight", FigureEight, 2.6},
+    NamedPath{"corridor", Corridor, 1.3}, NamedPath{"hover", Hover, 3.0},
+    NamedPath{"fast_yaw", FastYaw, 3.0}};
+
+const NamedPath& Find(const std::string& name) {
+  std::string known;
+  for (const NamedPath& path : kNamedPaths) {
+    if (name == path.name) return path;
+    known += std::string(known.empty() ? "" : ", ") + path.name;
+  }
+  throw Error("unknown path \"" + name + "\" to simulate, expected one of: " + known);
+}
+
+}  // namespace
+
+std::vector<std::string> SimulationPaths() {
+  std::vector<std::string> names;
+  for (const NamedPath& path : kNamedPaths) names.emplace_back(path.name);
+  return names;
+}
+
+SimulationPath MakeSimulationPath(const std::string& name) { return Find(name).path; }
+
+double SideMargin(const std::string& name) { return Find(name).side_margin; }
+
+Motion MotionAt(const SimulationPath& path, double time_s) {
+  constexpr double kStepS = 1e-3;
+  const Rigid3 before = path(time_s - kStepS);
+  const Rigid3 now = path(time_s);
+  const Rigid3 after = path(time_s + kStepS);
+  Motion motion;
+  motion.world_from_body = now;
+  motion.velocity_in_world = (after.translation - before.translation) / (2.0 * kStepS);
+  motion.acceleration_in_world =
+      (after.translation - 2.0 * now.translation + before.translation) / (kStepS * kStepS);
+  const Eigen::AngleAxisd turn(before.rotation.conjugate() * after.rotation);
+  motion.angular_velocity_in_body = turn.axis() * turn.angle() / (2.0 * kStepS);
+  motion.specific_force_in_body =
+      now.rotation.conjugate() *
+      (motion.acceleration_in_world + kSimulationGravity * Eigen::Vector3d::UnitZ());
+  return motion;
+}
+
+}  // namespace gluevo::vo
