@@ -6,6 +6,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "markup.h"
 #include "run_stamp.h"
 #include "segments_file.h"

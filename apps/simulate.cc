@@ -16,7 +16,7 @@ namespace {
 
 struct SimulateArguments {
   std::filesystem::path output;
-  vo::SimulationOptions options;
+  simulation::SimulationOptions options;
   int rooms = 0;  ///< Of training pairs; 0: a sequence.
   std::optional<int> width;
   std::optional<int> height;
@@ -33,26 +33,26 @@ void Simulate(const SimulateArguments& arguments) {
       }
       progress->Update(static_cast<std::size_t>(done), "rendered");
     };
-    vo::SimulationOptions options = arguments.options;
+    simulation::SimulationOptions options = arguments.options;
     if (pairs) {
-      vo::PairOptions pair_options;
+      simulation::PairOptions pair_options;
       pair_options.rooms = arguments.rooms;
       pair_options.seed = options.seed;
       pair_options.width = arguments.width.value_or(pair_options.width);
       pair_options.height = arguments.height.value_or(pair_options.height);
       pair_options.depth = options.depth;
       pair_options.threads = options.threads;
-      vo::SimulatePairs(pair_options, arguments.output, show);
+      simulation::SimulatePairs(pair_options, arguments.output, show);
     } else {
       options.width = arguments.width.value_or(options.width);
       options.height = arguments.height.value_or(options.height);
-      vo::Simulate(options, arguments.output, show);
+      simulation::Simulate(options, arguments.output, show);
     }
   }
   std::cout << "data set: " << arguments.output.string() << '\n';
 }
 
-void AddImageOptions(CLI::App& command, vo::ImageOptions& options) {
+void AddImageOptions(CLI::App& command, simulation::ImageOptions& options) {
   command.add_option("--noise", options.noise, "Sensor noise at full white, gray levels")
       ->capture_default_str();
   command
@@ -77,13 +77,13 @@ void AddSimulateCommand(CLI::App& app) {
   CLI::App* const command = app.add_subcommand(
       "simulate", "Render a stereo and inertial sequence in EuRoC's layout, with ground truth");
   const auto arguments = std::make_shared<SimulateArguments>();
-  vo::SimulationOptions& options = arguments->options;
+  simulation::SimulationOptions& options = arguments->options;
   command
       ->add_option("-o,--output", arguments->output,
                    "Folder of the data set to make; must not exist")
       ->required();
   command->add_option("--path", options.path, "Path to fly")
-      ->check(CLI::IsMember(vo::SimulationPaths()))
+      ->check(CLI::IsMember(simulation::SimulationPaths()))
       ->capture_default_str();
   command
       ->add_option("--trajectory", options.trajectory,

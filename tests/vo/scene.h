@@ -9,8 +9,8 @@
 
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/frontend/frontend.h"
-#include "gluevo/vo/geometry/camera.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "gluevo/vo/geometry/manifold.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 /// A simulated stereo rig among random points, observed with noise. Everything is seeded.
 namespace gluevo::vo::testing {

@@ -1,12 +1,15 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <iterator>
+#include <memory>
+#include <vector>
 
-#include "gluevo/vo/estimator/reprojection_factors.h"
 #include "gluevo/vo/estimator/sliding_window.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "pose_manifold.h"
+#include "pose_prior_factor.h"
+#include "reprojection_factors.h"
 
 namespace gluevo::vo {
 namespace {
@@ -36,115 +39,173 @@ class CalibrationPrior final : public ceres::SizedCostFunction<3, 3> {
 
 }  // namespace
 
-bool SlidingWindow::Optimize() {
-  if (frames_.size() < 2) {
-    return true;
-  }
-  const double weight = 1.0 / options_.noise;
-  const Rigid3 right_from_left = rig_.right_from_left();
-  PoseManifold manifold;
-  ceres::HuberLoss loss(options_.huber);
-  ceres::Problem::Options problem_options;
-  problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
-  ceres::Problem problem(problem_options);
+// The window as a problem of Ceres: what is built here is solved once and taken over, or dropped.
+class SlidingWindow::Adjustment {
+ public:
+  explicit Adjustment(SlidingWindow& window);
+  bool Solve();
+  void TakeOver();
 
-  std::vector<PoseParameters> poses;
-  poses.reserve(frames_.size());
-  for (const Frame& frame : frames_) {
-    poses.push_back(ToParameters(frame.world_from_body));
-    problem.AddParameterBlock(poses.back().data(), PoseManifold::kAmbientSize, &manifold);
-  }
-  problem.SetParameterBlockConstant(poses.front().data());
+ private:
+  static constexpr int kPose = PoseManifold::kAmbientSize;
 
-  // The left camera is the rig's reference; the right one's orientation may be refined.
-  std::array<Eigen::Vector3d, 2> turns = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  problem.AddParameterBlock(turns[0].data(), 3);
-  problem.AddParameterBlock(turns[1].data(), 3);
-  problem.SetParameterBlockConstant(turns[0].data());
-  if (options_.right_turn_sigma > 0.0) {
+  static ceres::Problem::Options ProblemOptions();
+  double* Pose(std::size_t frame) { return state_.data() + kPose * frame; }
+  double* PoseOf(const LandmarkView& view) { return Pose(window_.FrameIndex(view.frame_id)); }
+  double* Turn(int camera) { return Pose(window_.frames_.size()) + 3 * camera; }
+  void AddPoses();
+  void AddTurns();
+  void AddPrior();
+  void AddLandmarks();
+  void AddLandmark(const Landmark& landmark, double* point);
+
+  SlidingWindow& window_;
+  double weight_;
+  Rigid3 right_from_left_;
+  PoseManifold manifold_;
+  ceres::HuberLoss loss_;
+  // Ceres orders blocks by their addresses. In one array each, they come in order, and sums repeat
+  // to the last bit: the frames' poses, then the turns of both cameras; the adjusted landmarks.
+  std::vector<double> state_;
+  std::vector<Eigen::Vector3d> points_;
+  std::vector<Landmark*> adjusted_;
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_ =
+      std::make_shared<ceres::ParameterBlockOrdering>();
+  ceres::Problem problem_{ProblemOptions()};
+};
+
+ceres::Problem::Options SlidingWindow::Adjustment::ProblemOptions() {
+  ceres::Problem::Options options;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  return options;
+}
+
+SlidingWindow::Adjustment::Adjustment(SlidingWindow& window)
+    : window_(window),
+      weight_(1.0 / window.options_.noise),
+      right_from_left_(window.rig_.right_from_left()),
+      loss_(window.options_.huber),
+      state_(kPose * window.frames_.size() + 2 * 3, 0.0) {
+  AddPoses();
+  AddTurns();
+  AddPrior();
+  AddLandmarks();
+}
+
+void SlidingWindow::Adjustment::AddPoses() {
+  for (std::size_t i = 0; i < window_.frames_.size(); ++i) {
+    const PoseParameters pose = ToParameters(window_.frames_[i].world_from_body);
+    std::copy(pose.begin(), pose.end(), Pose(i));
+    problem_.AddParameterBlock(Pose(i), kPose, &manifold_);
+    ordering_->AddElementToGroup(Pose(i), 1);
+  }
+  problem_.SetParameterBlockConstant(Pose(0));
+}
+
+// The left camera is the rig's reference; the right one's orientation may be refined.
+void SlidingWindow::Adjustment::AddTurns() {
+  for (const int camera : {0, 1}) {
+    problem_.AddParameterBlock(Turn(camera), 3);
+    ordering_->AddElementToGroup(Turn(camera), 1);
+  }
+  problem_.SetParameterBlockConstant(Turn(0));
+  const double sigma = window_.options_.right_turn_sigma;
+  if (sigma > 0.0) {
     const Eigen::Quaterniond turn_so_far =
-        rig_.body_from_cam[1].rotation.conjugate() * calibrated_body_from_right_;
-    problem.AddResidualBlock(new CalibrationPrior(LogSo3(turn_so_far), options_.right_turn_sigma),
-                             nullptr, turns[1].data());
+        window_.rig_.body_from_cam[1].rotation.conjugate() * window_.calibrated_body_from_right_;
+    problem_.AddResidualBlock(new CalibrationPrior(LogSo3(turn_so_far), sigma), nullptr, Turn(1));
   } else {
-    problem.SetParameterBlockConstant(turns[1].data());
+    problem_.SetParameterBlockConstant(Turn(1));
   }
+}
 
-  if (prior_) {
-    std::vector<double*> blocks;
-    for (const int64_t frame_id : prior_->frame_ids) {
-      blocks.push_back(poses[FrameIndex(frame_id)].data());
-    }
-    blocks.push_back(turns[1].data());
-    problem.AddResidualBlock(new PosePriorFactor(*prior_, rig_.body_from_cam[1].rotation), nullptr,
-                             blocks);
+void SlidingWindow::Adjustment::AddPrior() {
+  if (!window_.prior_) {
+    return;
   }
+  std::vector<double*> blocks;
+  for (const int64_t frame_id : window_.prior_->frame_ids) {
+    blocks.push_back(Pose(window_.FrameIndex(frame_id)));
+  }
+  blocks.push_back(Turn(1));
+  problem_.AddResidualBlock(
+      new PosePriorFactor(*window_.prior_, window_.rig_.body_from_cam[1].rotation), nullptr,
+      blocks);
+}
 
-  // The landmarks are eliminated first (Schur complement). Ceres orders blocks by their addresses:
-  // in one array they come in the landmarks' order, and sums repeat to the last bit.
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(landmarks_.size());
-  std::vector<Landmark*> adjusted;
-  auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
-  for (auto& [id, landmark] : landmarks_) {
+// The landmarks are eliminated first (Schur complement).
+void SlidingWindow::Adjustment::AddLandmarks() {
+  points_.reserve(window_.landmarks_.size());
+  for (auto& [id, landmark] : window_.landmarks_) {
     // A landmark of a single frame tells nothing about poses, and its stereo gave its depth.
     if (!landmark.point || landmark.views.size() < 2) {
       continue;
     }
-    adjusted.push_back(&landmark);
-    double* point = points.emplace_back(*landmark.point).data();
-    const LandmarkView& anchor = landmark.views.front();
-    double* anchor_pose = poses[FrameIndex(anchor.frame_id)].data();
-    problem.AddResidualBlock(new SameFrameReprojection({}, anchor.left, weight), &loss, point,
-                             turns[0].data());
-    if (anchor.right) {
-      problem.AddResidualBlock(new SameFrameReprojection(right_from_left, *anchor.right, weight),
-                               &loss, point, turns[1].data());
-    }
-    for (auto view = std::next(landmark.views.begin()); view != landmark.views.end(); ++view) {
-      double* pose = poses[FrameIndex(view->frame_id)].data();
-      problem.AddResidualBlock(
-          new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[0], view->left,
-                                     weight),
-          &loss, anchor_pose, pose, point, turns[0].data());
-      if (view->right) {
-        problem.AddResidualBlock(
-            new OtherFrameReprojection(rig_.body_from_cam[0], rig_.body_from_cam[1], *view->right,
-                                       weight),
-            &loss, anchor_pose, pose, point, turns[1].data());
-      }
-    }
-    ordering->AddElementToGroup(point, 0);
+    adjusted_.push_back(&landmark);
+    double* const point = points_.emplace_back(*landmark.point).data();
+    AddLandmark(landmark, point);
+    ordering_->AddElementToGroup(point, 0);
   }
-  ordering->AddElementToGroup(turns[0].data(), 1);
-  ordering->AddElementToGroup(turns[1].data(), 1);
-  for (PoseParameters& pose : poses) {
-    ordering->AddElementToGroup(pose.data(), 1);
-  }
+}
 
-  ceres::Solver::Options solver_options;
-  solver_options.linear_solver_type = ceres::DENSE_SCHUR;
-  solver_options.trust_region_strategy_type = ceres::DOGLEG;
-  solver_options.linear_solver_ordering = ordering;
-  solver_options.max_num_iterations = options_.max_iterations;
+void SlidingWindow::Adjustment::AddLandmark(const Landmark& landmark, double* point) {
+  const auto& body_from_cam = window_.rig_.body_from_cam;
+  const LandmarkView& anchor = landmark.views.front();
+  problem_.AddResidualBlock(new SameFrameReprojection({}, anchor.left, weight_), &loss_, point,
+                            Turn(0));
+  if (anchor.right) {
+    problem_.AddResidualBlock(new SameFrameReprojection(right_from_left_, *anchor.right, weight_),
+                              &loss_, point, Turn(1));
+  }
+  for (auto view = std::next(landmark.views.begin()); view != landmark.views.end(); ++view) {
+    problem_.AddResidualBlock(
+        new OtherFrameReprojection(body_from_cam[0], body_from_cam[0], view->left, weight_), &loss_,
+        PoseOf(anchor), PoseOf(*view), point, Turn(0));
+    if (view->right) {
+      problem_.AddResidualBlock(
+          new OtherFrameReprojection(body_from_cam[0], body_from_cam[1], *view->right, weight_),
+          &loss_, PoseOf(anchor), PoseOf(*view), point, Turn(1));
+    }
+  }
+}
+
+bool SlidingWindow::Adjustment::Solve() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_SCHUR;
+  options.trust_region_strategy_type = ceres::DOGLEG;
+  options.linear_solver_ordering = ordering_;
+  options.max_num_iterations = window_.options_.max_iterations;
   // More threads would sum the cost in the order in which they finish, which changes from run to
   // run.
-  solver_options.num_threads = 1;
-  solver_options.logging_type = ceres::SILENT;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
-  ceres::Solve(solver_options, &problem, &summary);
-  if (!summary.IsSolutionUsable() || !std::isfinite(summary.final_cost)) {
+  ceres::Solve(options, &problem_, &summary);
+  return summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
+}
+
+void SlidingWindow::Adjustment::TakeOver() {
+  for (std::size_t i = 1; i < window_.frames_.size(); ++i) {
+    window_.frames_[i].world_from_body = ToRigid3(Pose(i));
+  }
+  Eigen::Quaterniond& body_from_right = window_.rig_.body_from_cam[1].rotation;
+  const Eigen::Map<const Eigen::Vector3d> turn(Turn(1));
+  body_from_right = (body_from_right * ExpSo3(turn).conjugate()).normalized();
+  for (std::size_t i = 0; i < adjusted_.size(); ++i) {
+    adjusted_[i]->point = points_[i];
+  }
+}
+
+bool SlidingWindow::Optimize() {
+  if (frames_.size() < 2) {
+    return true;
+  }
+  Adjustment adjustment(*this);
+  if (!adjustment.Solve()) {
     return false;
   }
-  for (std::size_t i = 1; i < frames_.size(); ++i) {
-    frames_[i].world_from_body = ToRigid3(poses[i].data());
-  }
-  rig_.body_from_cam[1].rotation =
-      (rig_.body_from_cam[1].rotation * ExpSo3(turns[1]).conjugate()).normalized();
-  for (std::size_t i = 0; i < adjusted.size(); ++i) {
-    adjusted[i]->point = points[i];
-  }
+  adjustment.TakeOver();
   return true;
 }
 

@@ -1,10 +1,10 @@
 #include "gluevo/vo/estimator/pose_prior.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
-#include <cmath>
 #include <utility>
+
+#include "gluevo/vo/geometry/eigen_solvers.h"
 
 namespace gluevo::vo {
 namespace {
@@ -15,18 +15,6 @@ constexpr int kTurn = PosePrior::kTurn;
 // Directions that are known less well than this share of the best known one are not known at all:
 // their values are rounding errors.
 constexpr double kLeastShare = 1e-10;
-
-// d Log(exp(v) exp(d)) / d d at d = 0: the inverse of the right Jacobian of SO(3) (Forster et al.
-// 2017, eq. 8 and following).
-Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& v) {
-  const double angle = v.norm();
-  const Eigen::Matrix3d cross = Skew(v);
-  // (1 - (a / 2) cot(a / 2)) / a^2, by its series near 0.
-  const double quadratic = angle < 1e-3
-                               ? 1.0 / 12.0 + angle * angle / 720.0
-                               : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
-  return Eigen::Matrix3d::Identity() + 0.5 * cross + quadratic * cross * cross;
-}
 
 }  // namespace
 
@@ -47,52 +35,10 @@ Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
                                  const Eigen::Quaterniond& present_body_from_right) const {
   Eigen::VectorXd delta(kPose * present.size() + kTurn);
   for (std::size_t i = 0; i < present.size(); ++i) {
-    delta.segment<kPose>(kPose * i) = PoseManifold::Minus(present[i], world_from_body[i]);
+    delta.segment<kPose>(kPose * i) = Minus(present[i], world_from_body[i]);
   }
   delta.tail<kTurn>() = TurnBetween(body_from_right, present_body_from_right);
   return delta;
-}
-
-PosePriorFactor::PosePriorFactor(const PosePrior& prior, const Eigen::Quaterniond& body_from_right)
-    : prior_(prior), turn_so_far_(TurnBetween(prior.body_from_right, body_from_right)) {
-  for (std::size_t i = 0; i < prior.frame_ids.size(); ++i) {
-    mutable_parameter_block_sizes()->push_back(PoseManifold::kAmbientSize);
-  }
-  mutable_parameter_block_sizes()->push_back(kTurn);
-  set_num_residuals(static_cast<int>(prior.residual.size()));
-}
-
-bool PosePriorFactor::Evaluate(double const* const* parameters, double* residuals,
-                               double** jacobians) const {
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const std::size_t frames = prior_.frame_ids.size();
-  Eigen::VectorXd delta(prior_.jacobian.cols());
-  for (std::size_t i = 0; i < frames; ++i) {
-    delta.segment<kPose>(kPose * i) =
-        PoseManifold::Minus(ToRigid3(parameters[i]), prior_.world_from_body[i]);
-  }
-  delta.tail<kTurn>() = turn_so_far_ + Eigen::Map<const Eigen::Vector3d>(parameters[frames]);
-  Eigen::Map<Eigen::VectorXd> residual(residuals, num_residuals());
-  residual = prior_.residual + prior_.jacobian * delta;
-  if (jacobians == nullptr) {
-    return true;
-  }
-  for (std::size_t i = 0; i < frames; ++i) {
-    if (jacobians[i] == nullptr) {
-      continue;
-    }
-    Eigen::Matrix<double, kPose, PoseManifold::kAmbientSize, Eigen::RowMajor> minus;
-    PoseManifold().MinusJacobian(parameters[i], minus.data());
-    Eigen::Matrix<double, kPose, kPose> by_step = Eigen::Matrix<double, kPose, kPose>::Identity();
-    by_step.bottomRightCorner<3, 3>() = InverseRightJacobian(delta.segment<3>(kPose * i + 3));
-    Eigen::Map<RowMajor> jacobian(jacobians[i], num_residuals(), PoseManifold::kAmbientSize);
-    jacobian = prior_.jacobian.middleCols<kPose>(kPose * i) * by_step * minus;
-  }
-  if (jacobians[frames] != nullptr) {
-    Eigen::Map<RowMajor> jacobian(jacobians[frames], num_residuals(), kTurn);
-    jacobian = prior_.jacobian.rightCols<kTurn>();
-  }
-  return true;
 }
 
 Marginalizer::Marginalizer(std::vector<int64_t> frame_ids, std::vector<Rigid3> linearization_points,
@@ -152,22 +98,22 @@ PosePrior Marginalizer::Eliminate(int64_t frame_id) const {
     (i >= first && i < hessian_.rows() - behind ? dropped : kept).push_back(i);
   }
   // Schur complement, by the pseudo-inverse: what was dropped may itself be known only in part.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_dropped(hessian_(dropped, dropped));
+  const SymmetricEigen of_dropped = SolveSymmetricEigen(hessian_(dropped, dropped));
   const double least = kLeastShare * hessian_.diagonal().maxCoeff();
   const Eigen::VectorXd inverse_values =
-      (of_dropped.eigenvalues().array() > least)
-          .select(of_dropped.eigenvalues().cwiseInverse(), Eigen::VectorXd::Zero(kPose));
-  const Eigen::MatrixXd inverse = of_dropped.eigenvectors() * inverse_values.asDiagonal() *
-                                  of_dropped.eigenvectors().transpose();
+      (of_dropped.values.array() > least)
+          .select(of_dropped.values.cwiseInverse(), Eigen::VectorXd::Zero(kPose));
+  const Eigen::MatrixXd inverse =
+      of_dropped.vectors * inverse_values.asDiagonal() * of_dropped.vectors.transpose();
   const Eigen::MatrixXd gain = hessian_(kept, dropped) * inverse;
   const Eigen::MatrixXd hessian = hessian_(kept, kept) - gain * hessian_(dropped, kept);
   const Eigen::VectorXd gradient = gradient_(kept) - gain * gradient_(dropped);
 
   // J = S^1/2 V^T and r0 = S^-1/2 V^T gradient, so that J^T J and J^T r0 are these again.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_kept(hessian);
-  const Eigen::Index rows = (of_kept.eigenvalues().array() > least).count();
-  const Eigen::VectorXd roots = of_kept.eigenvalues().tail(rows).cwiseSqrt();
-  const auto vectors = of_kept.eigenvectors().rightCols(rows);
+  const SymmetricEigen of_kept = SolveSymmetricEigen(hessian);
+  const Eigen::Index rows = (of_kept.values.array() > least).count();
+  const Eigen::VectorXd roots = of_kept.values.tail(rows).cwiseSqrt();
+  const auto vectors = of_kept.vectors.rightCols(rows);
   prior.jacobian = roots.asDiagonal() * vectors.transpose();
   prior.residual = roots.cwiseInverse().asDiagonal() * (vectors.transpose() * gradient);
   return prior;

@@ -1,7 +1,7 @@
-#include "gluevo/vo/estimator/reprojection_factors.h"
+#include "reprojection_factors.h"
 
-#include "gluevo/vo/geometry/pose_manifold.h"
 #include "gluevo/vo/geometry/projection.h"
+#include "pose_manifold.h"
 
 namespace gluevo::vo {
 namespace {

@@ -1,5 +1,6 @@
 #include "gluevo/vo/estimator/sliding_window.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -153,48 +154,6 @@ void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from
   DecideKeyframe(new_tracks);
 }
 
-void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
-  Frame& newest = frames_.back();
-  std::size_t tracked = 0;
-  std::size_t long_tracked = 0;
-  for (const auto& [id, landmark] : landmarks_) {
-    if (landmark.observations > 1 && landmark.views.back().frame_id == newest.id) {
-      ++tracked;
-      long_tracked += landmark.observations >= options_.long_track;
-    }
-  }
-  newest.lost_tracks = frames_.size() < 2 ||
-                       tracked < static_cast<std::size_t>(options_.min_tracked) ||
-                       long_tracked < static_cast<std::size_t>(options_.min_long_tracked) ||
-                       static_cast<double>(new_tracks) > options_.max_new_share * tracked;
-  newest.is_keyframe = newest.lost_tracks;
-  if (!newest.is_keyframe) {
-    const auto last_keyframe = std::find_if(std::next(frames_.rbegin()), frames_.rend(),
-                                            [](const Frame& frame) { return frame.is_keyframe; });
-    newest.is_keyframe = last_keyframe == frames_.rend() ||
-                         MeanParallax(last_keyframe->id, newest.id) >= options_.keyframe_parallax;
-  }
-}
-
-double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
-  double sum = 0.0;
-  int count = 0;
-  for (const auto& [id, landmark] : landmarks_) {
-    const auto see = [&](int64_t frame_id) {
-      return std::find_if(landmark.views.begin(), landmark.views.end(),
-                          [&](const LandmarkView& view) { return view.frame_id == frame_id; });
-    };
-    const auto view0 = see(frame_id0);
-    const auto view1 = see(frame_id1);
-    if (view0 != landmark.views.end() && view1 != landmark.views.end()) {
-      sum += (view1->left - view0->left).norm();
-      ++count;
-    }
-  }
-  // Frames that share nothing are as far apart as can be.
-  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
-}
-
 void SlidingWindow::Triangulate() {
   const int64_t newest_id = frames_.back().id;
   for (auto& [id, landmark] : landmarks_) {
@@ -217,7 +176,7 @@ void SlidingWindow::Triangulate() {
 
 std::optional<Eigen::Vector3d> SlidingWindow::TriangulateViews(
     const std::vector<LandmarkView>& landmark_views) const {
-  std::vector<View> views;
+  std::vector<PosedObservation> views;
   for (const LandmarkView& view : landmark_views) {
     const Rigid3& world_from_body = FrameOf(view).world_from_body;
     views.push_back({(world_from_body * rig_.body_from_cam[0]).Inverse(), view.left});

@@ -2,8 +2,9 @@
 #include <cmath>
 #include <vector>
 
-#include "gluevo/vo/estimator/reprojection_factors.h"
 #include "gluevo/vo/estimator/sliding_window.h"
+#include "pose_manifold.h"
+#include "reprojection_factors.h"
 
 namespace gluevo::vo {
 namespace {
@@ -78,6 +79,13 @@ class LandmarkRows {
 };
 
 }  // namespace
+
+// Where residuals are taken and where their derivatives are, one pose a frame, and what lies
+// between the two, by the tangents of the whole state.
+struct SlidingWindow::Linearization {
+  std::vector<PoseParameters> present, first_estimates;
+  Eigen::VectorXd delta;
+};
 
 void SlidingWindow::MarginalizeOldest() {
   PosePrior linearization;

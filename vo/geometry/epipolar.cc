@@ -2,15 +2,14 @@
 
 #include <cmath>
 
+#include "gluevo/vo/geometry/manifold.h"
+
 namespace gluevo::vo {
 
 EpipolarCheck::EpipolarCheck(const StereoRig& rig)
     : right_from_left_(rig.right_from_left()),
       focal_px_(0.5 * (rig.cameras[1].fx + rig.cameras[1].fy)) {
-  const Eigen::Vector3d& t = right_from_left_.translation;
-  Eigen::Matrix3d cross;
-  cross << 0.0, -t.z(), t.y(), t.z(), 0.0, -t.x(), -t.y(), t.x(), 0.0;
-  essential_ = cross * right_from_left_.rotation.toRotationMatrix();
+  essential_ = Skew(right_from_left_.translation) * right_from_left_.rotation.toRotationMatrix();
 }
 
 double EpipolarCheck::Distance(const Eigen::Vector2d& left, const Eigen::Vector2d& right) const {

@@ -1,7 +1,6 @@
 #include "gluevo/vo/geometry/pnp.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,118 +9,18 @@
 #include <random>
 
 #include "gluevo/vo/core/options_check.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "gluevo/vo/geometry/eigen_solvers.h"
+#include "gluevo/vo/geometry/manifold.h"
 #include "gluevo/vo/geometry/projection.h"
+#include "pnp_scoring.h"
 
 namespace gluevo::vo {
 namespace {
 
-// 99 % quantiles of the chi-square distribution with 2 and with 4 degrees of freedom.
-constexpr double kGateLeft = 9.21;
-constexpr double kGateBoth = 13.28;
 // Huber threshold of the refinement, in standard deviations.
 constexpr double kHuber = 1.5;
 
 using Matrix26 = Eigen::Matrix<double, 2, 6>;
-
-/// One camera of the rig at a hypothetical pose.
-struct PosedCamera {
-  Eigen::Matrix3d cam_from_world_rotation;
-  Eigen::Vector3d center_in_world;
-
-  PosedCamera(const Rigid3& world_from_body, const Rigid3& body_from_cam) {
-    const Rigid3 world_from_cam = world_from_body * body_from_cam;
-    cam_from_world_rotation = world_from_cam.rotation.toRotationMatrix().transpose();
-    center_in_world = world_from_cam.translation;
-  }
-};
-
-struct PosedRig {
-  PosedCamera left, right;
-  PosedRig(const StereoRig& rig, const Rigid3& world_from_body)
-      : left(world_from_body, rig.body_from_cam[0]), right(world_from_body, rig.body_from_cam[1]) {}
-};
-
-/// Residual of one view, and how far one standard deviation of the point's inverse depth moves it;
-/// both in standard deviations of the keypoint.
-struct ViewResidual {
-  Eigen::Vector2d error;
-  Eigen::Vector2d by_depth;
-};
-
-bool Residual(const PosedCamera& camera, const AnchoredPoint& point,
-              const Eigen::Vector2d& observed, double weight, ViewResidual& result) {
-  const Eigen::Vector3d offset =
-      camera.cam_from_world_rotation * (point.center - camera.center_in_world);
-  const Eigen::Vector3d in_cam =
-      camera.cam_from_world_rotation * point.ray + point.inverse_depth * offset;
-  if (!IsInFront(in_cam)) {
-    return false;
-  }
-  const double inverse_z = 1.0 / in_cam.z();
-  const Eigen::Vector2d projected = in_cam.head<2>() * inverse_z;
-  result.error = weight * (projected - observed);
-  result.by_depth = (weight * point.inverse_depth_sigma * inverse_z) *
-                    (offset.head<2>() - projected * offset.z());
-  return true;
-}
-
-// Squared Mahalanobis distance of stacked residuals r whose covariance is I + u u^T: the depth is
-// integrated out (matrix inversion lemma).
-double Mahalanobis(double r_r, double r_u, double u_u) { return r_r - r_u * r_u / (1.0 + u_u); }
-
-struct Judgement {
-  PnpVerdict verdict = PnpVerdict::kOutlier;
-  double score = 0.0;  // 0 for an outlier, larger the better it fits
-};
-
-Judgement Judge(const PosedRig& rig, const PnpObservation& observation, double weight) {
-  ViewResidual left;
-  if (!Residual(rig.left, observation.point, observation.left, weight, left)) {
-    return {};
-  }
-  const double r_r = left.error.squaredNorm();
-  const double r_u = left.error.dot(left.by_depth);
-  const double u_u = left.by_depth.squaredNorm();
-  const double chi2_left = Mahalanobis(r_r, r_u, u_u);
-  if (!(chi2_left < kGateLeft)) {
-    return {};
-  }
-  ViewResidual right;
-  if (observation.has_right &&
-      Residual(rig.right, observation.point, observation.right, weight, right)) {
-    const double chi2 =
-        Mahalanobis(r_r + right.error.squaredNorm(), r_u + right.error.dot(right.by_depth),
-                    u_u + right.by_depth.squaredNorm());
-    if (chi2 < kGateBoth) {
-      return {PnpVerdict::kInlier, kGateBoth - chi2};
-    }
-    // A wrong right observation takes most of the point's credit.
-    return {PnpVerdict::kInlierLeft, 0.25 * (kGateLeft - chi2_left)};
-  }
-  return {observation.has_right ? PnpVerdict::kInlierLeft : PnpVerdict::kInlier,
-          kGateLeft - chi2_left};
-}
-
-struct Hypothesis {
-  Rigid3 world_from_body;
-  std::vector<PnpVerdict> verdicts;
-  int inliers = 0;
-  double score = 0.0;
-};
-
-Hypothesis Score(const StereoRig& rig, const Rigid3& world_from_body,
-                 std::span<const PnpObservation> observations, double weight) {
-  const PosedRig posed(rig, world_from_body);
-  Hypothesis hypothesis{world_from_body, std::vector<PnpVerdict>(observations.size())};
-  for (std::size_t i = 0; i < observations.size(); ++i) {
-    const Judgement judgement = Judge(posed, observations[i], weight);
-    hypothesis.verdicts[i] = judgement.verdict;
-    hypothesis.inliers += judgement.verdict != PnpVerdict::kOutlier ? 1 : 0;
-    hypothesis.score += judgement.score;
-  }
-  return hypothesis;
-}
 
 /// Normal equations of the pose step, the depths eliminated.
 struct Normal {
@@ -195,7 +94,7 @@ Hypothesis Refine(const StereoRig& rig, Hypothesis best,
     if (!step.allFinite()) {
       break;
     }
-    current = Score(rig, PoseManifold::Plus(current.world_from_body, step), observations, weight);
+    current = Score(rig, Plus(current.world_from_body, step), observations, weight);
     if (current.score > best.score) {
       best = current;
     }
@@ -246,12 +145,6 @@ int IterationsNeeded(double inlier_share, const PnpOptions& options) {
   const double needed = std::log(1.0 - options.confidence) / std::log1p(-all_inliers);
   return static_cast<int>(std::clamp(needed, static_cast<double>(options.min_iterations),
                                      static_cast<double>(options.max_iterations)));
-}
-
-double WorstSigma(const Eigen::Matrix3d& covariance) {
-  return std::sqrt(std::max(
-      0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance, Eigen::EigenvaluesOnly)
-               .eigenvalues()[2]));
 }
 
 }  // namespace

@@ -1,22 +1,22 @@
 #include "gluevo/vo/geometry/triangulation.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/geometry/eigen_solvers.h"
 #include "gluevo/vo/geometry/projection.h"
 
 namespace gluevo::vo {
 namespace {
 
 // Smallest cosine between two rays to the point: the widest parallax.
-double MinRayCosine(std::span<const View> views, const Eigen::Vector3d& point) {
+double MinRayCosine(std::span<const PosedObservation> views, const Eigen::Vector3d& point) {
   std::vector<Eigen::Vector3d> rays;
   rays.reserve(views.size());
-  for (const View& view : views) {
+  for (const PosedObservation& view : views) {
     rays.push_back((point - view.cam_from_world.Inverse().translation).normalized());
   }
   double cosine = 1.0;
@@ -28,25 +28,25 @@ double MinRayCosine(std::span<const View> views, const Eigen::Vector3d& point) {
   return cosine;
 }
 
-Eigen::Vector4d LinearTriangulation(std::span<const View> views) {
+Eigen::Vector4d LinearTriangulation(std::span<const PosedObservation> views) {
   Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  for (const View& view : views) {
+  for (const PosedObservation& view : views) {
     const Eigen::Matrix<double, 3, 4> p = view.cam_from_world.Matrix();
     for (int axis = 0; axis < 2; ++axis) {
       const Eigen::Vector4d row = (view.normalized[axis] * p.row(2) - p.row(axis)).transpose();
       normal += row * row.transpose();
     }
   }
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(normal).eigenvectors().col(0);
+  return SmallestEigenvector(normal);
 }
 
 // Gauss-Newton on the reprojection error; false where the point leaves the front of a camera.
-bool Refine(std::span<const View> views, Eigen::Vector3d& point) {
+bool Refine(std::span<const PosedObservation> views, Eigen::Vector3d& point) {
   constexpr int kIterations = 4;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::Matrix3d hessian = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    for (const View& view : views) {
+    for (const PosedObservation& view : views) {
       const Eigen::Vector3d in_cam = view.cam_from_world * point;
       if (!IsInFront(in_cam)) {
         return false;
@@ -77,15 +77,15 @@ void TriangulationOptions::Validate() const {
   CheckPositive(max_error, "triangulation.max_error");
 }
 
-std::optional<Eigen::Vector3d> Triangulate(std::span<const View> views,
+std::optional<Eigen::Vector3d> Triangulate(std::span<const PosedObservation> views,
                                            const TriangulationOptions& options) {
   if (views.size() < 2) {
     return std::nullopt;
   }
   // In the first view's frame, where the numbers are small however far the world's origin is.
-  std::vector<View> local(views.begin(), views.end());
+  std::vector<PosedObservation> local(views.begin(), views.end());
   const Rigid3 world_from_first = views[0].cam_from_world.Inverse();
-  for (View& view : local) {
+  for (PosedObservation& view : local) {
     view.cam_from_world = view.cam_from_world * world_from_first;
   }
   const Eigen::Vector4d homogeneous = LinearTriangulation(local);
@@ -96,7 +96,7 @@ std::optional<Eigen::Vector3d> Triangulate(std::span<const View> views,
   if (!Refine(local, point) || !point.allFinite()) {
     return std::nullopt;
   }
-  for (const View& view : local) {
+  for (const PosedObservation& view : local) {
     const Eigen::Vector3d in_cam = view.cam_from_world * point;
     if (!(in_cam.z() >= options.min_depth_m && in_cam.z() <= options.max_depth_m) ||
         !((in_cam.hnormalized() - view.normalized).norm() <= options.max_error)) {

@@ -4,6 +4,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "text_file.h"
 #include "yaml_file.h"
 

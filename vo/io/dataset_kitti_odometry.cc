@@ -2,6 +2,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "kitti_files.h"
 
 namespace gluevo::vo {

@@ -8,6 +8,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "kitti_files.h"
 #include "text_file.h"
 #include "yaml_file.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 // What KITTI's odometry sequences and raw drives share (Geiger et al. 2012 and 2013).
 namespace gluevo::vo {

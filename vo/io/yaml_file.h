@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 

@@ -7,6 +7,7 @@
 
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/stopwatch.h"
+#include "gluevo/vo/estimator/sliding_window.h"
 
 namespace gluevo::vo {
 namespace {
@@ -35,9 +36,20 @@ void OdometryOptions::Validate() const {
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
                    const OdometryOptions& options)
-    : rig_(rig), frontend_(std::move(frontend)), options_(options), window_(rig, options.window) {
+    : rig_(rig),
+      frontend_(std::move(frontend)),
+      options_(options),
+      window_(std::make_unique<SlidingWindow>(rig, options.window)) {
   options_.Validate();
 }
+
+Odometry::~Odometry() = default;
+Odometry::Odometry(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+
+std::vector<MapPoint> Odometry::MapPoints() const { return window_->MapPoints(); }
+
+const StereoRig& Odometry::rig() const { return window_->rig(); }
 
 FrameResult Odometry::Process(const StereoFrame& frame) {
   CheckTime(frame.timestamp_ns);
@@ -59,7 +71,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     Estimate(tracked, *pose);
   }
   Describe(*pose, result);
-  window_.Slide();
+  window_->Slide();
   result.stages_ms["estimator"] += watch.Lap();
 
   frontend_->Accept(result.is_keyframe);
@@ -76,7 +88,7 @@ void Odometry::CheckTime(int64_t timestamp_ns) const {
 }
 
 bool Odometry::Retry(TrackedFrame& tracked) {
-  if (window_.empty()) {
+  if (window_->empty()) {
     return false;
   }
   std::optional<TrackedFrame> retried = frontend_->Retry();
@@ -87,17 +99,17 @@ bool Odometry::Retry(TrackedFrame& tracked) {
 }
 
 bool Odometry::Estimate(const TrackedFrame& tracked, const FramePose& pose) {
-  window_.AddFrame(tracked, pose.world_from_body, pose.verdicts);
-  window_.Triangulate();
-  const bool is_solved = window_.Optimize();
-  window_.RemoveOutliers();
-  return is_solved && (!last_ || IsPlausible(window_.world_from_body(), tracked.timestamp_ns));
+  window_->AddFrame(tracked, pose.world_from_body, pose.verdicts);
+  window_->Triangulate();
+  const bool is_solved = window_->Optimize();
+  window_->RemoveOutliers();
+  return is_solved && (!last_ || IsPlausible(window_->world_from_body(), tracked.timestamp_ns));
 }
 
 void Odometry::Describe(const FramePose& pose, FrameResult& result) const {
   const std::vector<Observation>& observations = result.tracked_frame.observations;
-  result.world_from_body = window_.world_from_body();
-  result.is_keyframe = window_.newest_is_keyframe();
+  result.world_from_body = window_->world_from_body();
+  result.is_keyframe = window_->newest_is_keyframe();
   result.segment = segment_;
   result.observations = static_cast<int>(observations.size());
   result.tracked = static_cast<int>(std::count_if(pose.verdicts.begin(), pose.verdicts.end(),
@@ -106,17 +118,17 @@ void Odometry::Describe(const FramePose& pose, FrameResult& result) const {
       std::count_if(observations.begin(), observations.end(),
                     [](const Observation& observation) { return observation.has_right; }));
   result.inliers = pose.inliers;
-  result.landmarks = static_cast<int>(window_.CountLandmarks());
+  result.landmarks = static_cast<int>(window_->CountLandmarks());
   result.stages_ms.insert(result.tracked_frame.stages_ms.begin(),
                           result.tracked_frame.stages_ms.end());
 }
 
 std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {
-  if (window_.empty()) {
+  if (window_->empty()) {
     return std::nullopt;
   }
   const std::vector<SlidingWindow::Correspondence> correspondences =
-      window_.Correspond(frame, options_.pnp.noise);
+      window_->Correspond(frame, options_.pnp.noise);
   std::vector<PnpObservation> observations;
   observations.reserve(correspondences.size());
   for (const SlidingWindow::Correspondence& correspondence : correspondences) {
@@ -128,7 +140,8 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) c
     guesses.push_back(last_->world_from_body * last_but_one_->world_from_body.Inverse() *
                       last_->world_from_body);
   }
-  const std::optional<PnpResult> pnp = SolvePnp(window_.rig(), observations, guesses, options_.pnp);
+  const std::optional<PnpResult> pnp =
+      SolvePnp(window_->rig(), observations, guesses, options_.pnp);
   if (!pnp || !IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
     return std::nullopt;
   }
@@ -160,7 +173,7 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
     ++segment_;
   }
   last_but_one_.reset();
-  window_ = SlidingWindow(rig_, options_.window);
+  *window_ = SlidingWindow(rig_, options_.window);
   return pose;
 }
 

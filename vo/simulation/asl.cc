@@ -5,7 +5,7 @@
 
 #include "gluevo/nn/error.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 /// A text file that insists on being written.
@@ -43,7 +43,7 @@ class TextFile {
   std::ofstream stream_;
 };
 
-void WriteTransform(TextFile* file, const Rigid3& body_from_sensor) {
+void WriteTransform(TextFile* file, const vo::Rigid3& body_from_sensor) {
   const Eigen::Matrix<double, 3, 4> rows = body_from_sensor.Matrix();
   *file << "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
   for (int row = 0; row < 3; ++row) {
@@ -55,9 +55,9 @@ void WriteTransform(TextFile* file, const Rigid3& body_from_sensor) {
 
 }  // namespace
 
-void WriteAslCamera(const std::filesystem::path& path, const StereoRig& rig, int camera,
+void WriteAslCamera(const std::filesystem::path& path, const vo::StereoRig& rig, int camera,
                     double rate_hz, const std::string& comment) {
-  const Camera& model = rig.cameras[camera];
+  const vo::Camera& model = rig.cameras[camera];
   TextFile file(path);
   file << "%YAML:1.0\n# " << comment << "\nsensor_type: camera\ncomment: simulated cam" << camera
        << "\n\n# Sensor extrinsics wrt. the body-frame.\n";
@@ -81,7 +81,7 @@ void WriteAslImageList(const std::filesystem::path& path, const std::vector<int6
 void WriteAslImu(const std::filesystem::path& path, const ImuNoise& noise) {
   TextFile file(path);
   file << "%YAML:1.0\nsensor_type: imu\ncomment: simulated imu0\n\n";
-  WriteTransform(&file, Rigid3());
+  WriteTransform(&file, vo::Rigid3());
   file << "rate_hz: " << kImuRateHz << "\ngyroscope_noise_density: " << noise.gyroscope_density
        << "     # [ rad / s / sqrt(Hz) ]\ngyroscope_random_walk: " << noise.gyroscope_random_walk
        << "     # [ rad / s^2 / sqrt(Hz) ]\naccelerometer_noise_density: "
@@ -118,4 +118,4 @@ void WriteAslGroundtruth(const std::filesystem::path& path, const std::vector<As
   file.Close();
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -5,15 +5,15 @@
 #include <string>
 #include <vector>
 
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 #include "imu.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// The text files of EuRoC's ASL layout. All throw Error naming the file that cannot be written.
 
 /// camN/sensor.yaml
-void WriteAslCamera(const std::filesystem::path& file, const StereoRig& rig, int camera,
+void WriteAslCamera(const std::filesystem::path& file, const vo::StereoRig& rig, int camera,
                     double rate_hz, const std::string& comment);
 /// camN/data.csv; images are called TIMESTAMP.png.
 void WriteAslImageList(const std::filesystem::path& file, const std::vector<int64_t>& times_ns);
@@ -32,4 +32,4 @@ struct AslState {
 };
 void WriteAslGroundtruth(const std::filesystem::path& file, const std::vector<AslState>& states);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -7,7 +7,7 @@
 #include "gluevo/vo/io/hdf5_file.h"
 #include "parallel_for.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr int kGrid = 8;  // pixels
@@ -32,9 +32,10 @@ Eigen::Vector2d OrNowhere(const std::optional<Eigen::Vector2d>& pixel) {
 }  // namespace
 
 void WriteCorrespondences(const std::filesystem::path& file, const Renderer& renderer,
-                          const SimulatedWorld& world, const std::vector<Rigid3>& world_from_body,
+                          const SimulatedWorld& world,
+                          const std::vector<vo::Rigid3>& world_from_body,
                           const std::vector<int64_t>& times_ns, int threads) {
-  const Camera& left = renderer.rig().cameras[0];
+  const vo::Camera& left = renderer.rig().cameras[0];
   const int count = static_cast<int>(world_from_body.size());
   std::vector<Table> tables(count);
   ParallelFor(count, threads, [&](int i) {
@@ -54,7 +55,7 @@ void WriteCorrespondences(const std::filesystem::path& file, const Renderer& ren
       }
     }
   });
-  internal::H5OutputFile out(file);
+  vo::internal::H5OutputFile out(file);
   for (int i = 0; i < count; ++i) {
     const std::string group = std::to_string(times_ns[i]);
     const hsize_t rows = tables[i].pixel.size() / 2;
@@ -67,4 +68,4 @@ void WriteCorrespondences(const std::filesystem::path& file, const Renderer& ren
   out.Finish();
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

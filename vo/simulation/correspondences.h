@@ -6,12 +6,13 @@
 
 #include "renderer.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// The file that SimulationOptions::correspondences describes, of left images at `world_from_body`.
 /// Throws Error where it cannot be written.
 void WriteCorrespondences(const std::filesystem::path& file, const Renderer& renderer,
-                          const SimulatedWorld& world, const std::vector<Rigid3>& world_from_body,
+                          const SimulatedWorld& world,
+                          const std::vector<vo::Rigid3>& world_from_body,
                           const std::vector<int64_t>& times_ns, int threads);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

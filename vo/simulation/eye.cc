@@ -1,6 +1,6 @@
 #include "eye.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 std::optional<Eigen::Vector3d> Eye::PointAlong(const Eigen::Vector2d& ray) const {
   if (!ray.allFinite()) return std::nullopt;
@@ -27,4 +27,4 @@ std::optional<Eigen::Vector2d> Eye::PixelOf(const Eigen::Vector3d& point_in_worl
   return pixel;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -3,17 +3,18 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/geometry/camera.h"
 #include "world.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// Exact correspondences between one camera's image and the world, in double precision.
 class Eye {
  public:
   /// `widest` is the length, on the plane z = 1, of the longest ray through the image.
-  Eye(const SimulatedWorld& world, const Camera& camera, double widest,
-      const Rigid3& world_from_cam)
+  Eye(const SimulatedWorld& world, const vo::Camera& camera, double widest,
+      const vo::Rigid3& world_from_cam)
       : camera_(camera),
         widest_(widest),
         world_from_cam_(world_from_cam),
@@ -33,11 +34,11 @@ class Eye {
   std::optional<Eigen::Vector2d> PixelOf(const Eigen::Vector3d& point_in_world) const;
 
  private:
-  Camera camera_;
+  vo::Camera camera_;
   double widest_;
-  Rigid3 world_from_cam_;
-  Rigid3 cam_from_world_;
+  vo::Rigid3 world_from_cam_;
+  vo::Rigid3 cam_from_world_;
   WorldView view_;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

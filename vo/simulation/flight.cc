@@ -5,10 +5,10 @@
 #include <memory>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "spline.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 /// As large as real clocks', so that whatever keeps times in too few digits shows.
@@ -22,7 +22,7 @@ std::string Seconds(double seconds) {
 
 Flight FlyTrajectory(const SimulationOptions& options) {
   const std::string file = options.trajectory.string();
-  const Trajectory trajectory = ReadTrajectory(options.trajectory);
+  const vo::Trajectory trajectory = vo::ReadTrajectory(options.trajectory);
   const auto spline = std::make_shared<const TrajectorySpline>(trajectory, file);
   const double start =
       options.start_s + (options.from_takeoff ? TakeOffSeconds(trajectory, file) : 0.0);
@@ -72,4 +72,4 @@ std::vector<Eigen::Vector3d> FlightPoints(const Flight& flight) {
   return points;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -7,7 +7,7 @@
 #include "gluevo/vo/simulation/simulation.h"
 #include "path.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// What a simulation flies.
 struct Flight {
@@ -25,4 +25,4 @@ Flight PlanFlight(const SimulationOptions& options);
 /// Positions of the body every 0.1 s or less, metres.
 std::vector<Eigen::Vector3d> FlightPoints(const Flight& flight);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -4,7 +4,7 @@
 
 #include "random.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const ImuNoise& noise,
                                    uint64_t seed) {
@@ -38,4 +38,4 @@ std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const 
   return samples;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -6,7 +6,7 @@
 
 #include "path.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// Noise of EuRoC's inertial unit (ADIS16448, sensor.yaml of its recordings), continuous time.
 struct ImuNoise {
@@ -31,4 +31,4 @@ struct ImuSample {
 std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const ImuNoise& noise,
                                    uint64_t seed);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -21,7 +21,7 @@
 #include "room.h"
 #include "sensor.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr int kViews = 8;
@@ -30,25 +30,25 @@ constexpr int kGrid = 8;  // pixels
 constexpr double kPi = std::numbers::pi;
 
 /// The rig of a file: EuRoC's with another focal length, more or less distortion, another baseline.
-StereoRig DrawRig(const PairOptions& options, uint64_t seed) {
-  StereoRig rig = SimulationRig(options.width, options.height);
+vo::StereoRig DrawRig(const PairOptions& options, uint64_t seed) {
+  vo::StereoRig rig = SimulationRig(options.width, options.height);
   RandomStream random(seed);
   const double zoom = random.Uniform(0.8, 1.4);
   const double distortion = random.Uniform(0.0, 1.0);
   const double baseline = random.Uniform(0.7, 2.5);
-  for (Camera& camera : rig.cameras) {
+  for (vo::Camera& camera : rig.cameras) {
     camera.fx *= zoom;
     camera.fy *= zoom;
     for (double& coefficient : camera.coefficients) coefficient *= distortion;
   }
-  Rigid3& left = rig.body_from_cam[0];
-  Rigid3& right = rig.body_from_cam[1];
+  vo::Rigid3& left = rig.body_from_cam[0];
+  vo::Rigid3& right = rig.body_from_cam[1];
   right.translation = left.translation + baseline * (right.translation - left.translation);
   return rig;
 }
 
 /// A body upright but for pitch and roll (x up, z forward).
-Rigid3 Place(const Eigen::Vector3d& position, double yaw, double pitch, double roll) {
+vo::Rigid3 Place(const Eigen::Vector3d& position, double yaw, double pitch, double roll) {
   Eigen::Matrix3d level;
   level.col(0) = Eigen::Vector3d::UnitZ();
   level.col(1) = -Eigen::Vector3d::UnitY();
@@ -61,7 +61,7 @@ Rigid3 Place(const Eigen::Vector3d& position, double yaw, double pitch, double r
 }
 
 /// The poses of the stereo pairs: around one place, by small steps and by jumps.
-std::vector<Rigid3> DrawPoses(const RoomPlan& plan, RandomStream* random) {
+std::vector<vo::Rigid3> DrawPoses(const RoomPlan& plan, RandomStream* random) {
   constexpr double kWall = 0.5;  // metres
   const auto inside = [&](const Eigen::Vector3d& point) {
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(kWall);
@@ -78,7 +78,7 @@ std::vector<Rigid3> DrawPoses(const RoomPlan& plan, RandomStream* random) {
   const double yaw = std::atan2(to_middle.y(), to_middle.x()) + around(1.2);
   const double pitch = around(0.3);
   const double roll = around(0.15);
-  std::vector<Rigid3> poses = {Place(start, yaw, pitch, roll)};
+  std::vector<vo::Rigid3> poses = {Place(start, yaw, pitch, roll)};
   for (int i = 1; i < kViews / 2; ++i) {
     const bool jump = i >= 2;
     const double turn = jump ? 45.0 : 8.0;
@@ -146,7 +146,7 @@ void Append(const SimulatedBox& box, std::vector<double>* boxes) {
 /// Rays of the grid's pixels, of each camera.
 using GridRays = std::array<std::vector<Eigen::Vector2d>, 2>;
 
-GridRays RaysOf(const std::vector<float>& grid, const StereoRig& rig) {
+GridRays RaysOf(const std::vector<float>& grid, const vo::StereoRig& rig) {
   GridRays rays;
   for (std::size_t i = 0; i < grid.size(); i += 2) {
     for (const int camera : {0, 1}) {
@@ -202,13 +202,13 @@ void FindCorrespondences(const std::vector<Eye>& eyes, const GridRays& rays, Roo
 Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer, const GridRays& rays,
                       uint64_t seed) {
   RandomStream random(seed);
-  const StereoRig& rig = renderer.rig();
+  const vo::StereoRig& rig = renderer.rig();
   RoomPlan plan;
   plan.low.setZero();
   plan.high = {random.Uniform(4.0, 8.0), random.Uniform(4.0, 8.0), random.Uniform(2.5, 3.6)};
-  const std::vector<Rigid3> poses = DrawPoses(plan, &random);
+  const std::vector<vo::Rigid3> poses = DrawPoses(plan, &random);
   std::vector<Eigen::Vector3d> positions;
-  for (const Rigid3& pose : poses) positions.push_back(pose.translation);
+  for (const vo::Rigid3& pose : poses) positions.push_back(pose.translation);
   RoomStyle style;
   // A texel is what a pixel covers at 4 m, or at 3 m on boxes: most of a room's time is spent here.
   style.texel_m = std::clamp(4.0 / rig.cameras[0].fx, 0.002, 0.03);
@@ -228,7 +228,7 @@ Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer, cons
   std::vector<Eye> eyes;
   for (int view = 0; view < kViews; ++view) {
     const int camera = view % 2;
-    const Rigid3& world_from_body = poses[view / 2];
+    const vo::Rigid3& world_from_body = poses[view / 2];
     const cv::Mat image = Photograph(renderer.Render(world, camera, {world_from_body}), &random);
     room.images.insert(room.images.end(), image.datastart, image.dataend);
     if (options.depth) {
@@ -236,12 +236,12 @@ Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer, cons
       room.depth.insert(room.depth.end(), depth.begin<float>(), depth.end<float>());
     }
     eyes.push_back(renderer.At(world, camera, world_from_body));
-    const Rigid3 world_from_cam = world_from_body * rig.body_from_cam[camera];
+    const vo::Rigid3 world_from_cam = world_from_body * rig.body_from_cam[camera];
     const Eigen::Vector3d& t = world_from_cam.translation;
     const Eigen::Quaterniond& q = world_from_cam.rotation;
     room.world_from_cam.insert(room.world_from_cam.end(),
                                {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()});
-    const Camera& model = rig.cameras[camera];
+    const vo::Camera& model = rig.cameras[camera];
     const auto& k = model.coefficients;
     room.cameras.insert(room.cameras.end(),
                         {model.fx, model.fy, model.cx, model.cy, k[0], k[1], k[2], k[3]});
@@ -251,7 +251,7 @@ Room MakeTrainingRoom(const PairOptions& options, const Renderer& renderer, cons
 }
 
 void Write(const Room& room, const std::vector<float>& grid, const PairOptions& options,
-           const std::string& group, internal::H5OutputFile* file) {
+           const std::string& group, vo::internal::H5OutputFile* file) {
   const auto height = static_cast<hsize_t>(options.height);
   const auto width = static_cast<hsize_t>(options.width);
   const hsize_t pairs = room.overlap.size();
@@ -304,7 +304,7 @@ void SimulatePairs(const PairOptions& options, const std::filesystem::path& dire
       const std::lock_guard<std::mutex> lock(progress_mutex);
       if (progress) progress(++done, options.rooms);
     });
-    internal::H5OutputFile file(partial.path() / Numbered("rooms_%05d.h5", file_number));
+    vo::internal::H5OutputFile file(partial.path() / Numbered("rooms_%05d.h5", file_number));
     for (std::size_t i = 0; i < rooms.size(); ++i) {
       Write(rooms[i], grid, options, Numbered("room_%06d", first + static_cast<int>(i)), &file);
     }
@@ -313,4 +313,4 @@ void SimulatePairs(const PairOptions& options, const std::filesystem::path& dire
   partial.Finish();
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// The number of threads that an option of 0 ("all") stands for.
 inline int ThreadCount(int requested) {
@@ -40,4 +40,4 @@ void ParallelFor(int count, int threads, const Body& body) {
   if (failure) std::rethrow_exception(failure);
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -12,7 +12,7 @@
 
 #include "gluevo/nn/error.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace fs = std::filesystem;
 namespace {
 
@@ -88,4 +88,4 @@ void PartialDirectory::Finish() {
   whole_ = true;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

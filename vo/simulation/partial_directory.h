@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// A new folder that is filled under the name "DIRECTORY.part", takes its own name when it is
 /// whole, and vanishes otherwise. What a killed program left under that name is replaced; while
@@ -33,4 +33,4 @@ class PartialDirectory {
   bool whole_ = false;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

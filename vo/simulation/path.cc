@@ -7,7 +7,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/simulation/simulation.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -34,7 +34,7 @@ Eigen::Quaterniond LookAlong(const Eigen::Vector3d& forward, double roll) {
 }
 
 /// One lap of an oval in 20 s, eyes along the path and wandering a little; laps repeat exactly.
-Rigid3 HallLoop(double time_s) {
+vo::Rigid3 HallLoop(double time_s) {
   constexpr double kLapS = 20.0;
   constexpr double kRampS = 2.0;
   constexpr double kHalfLength = 3.4;
@@ -62,7 +62,7 @@ Eigen::Vector3d Direction(double yaw, double pitch) {
 }
 
 /// A lying eight (Gerono's lemniscate) in 20 s, eyes along the path: turns both ways.
-Rigid3 FigureEight(double time_s) {
+vo::Rigid3 FigureEight(double time_s) {
   constexpr double kLapS = 20.0;
   constexpr double kRampS = 2.0;
   const double phase = 2.0 * kPi * EasedTime(time_s, kRampS) / (kLapS - 0.5 * kRampS);
@@ -74,7 +74,7 @@ Rigid3 FigureEight(double time_s) {
 }
 
 /// Down a corridor of 12 m and back in 20 s, turning round at its ends.
-Rigid3 Corridor(double time_s) {
+vo::Rigid3 Corridor(double time_s) {
   constexpr double kLapS = 20.0;
   constexpr double kTurnS = 4.0;
   const double time = EasedTime(time_s, 2.0);
@@ -92,7 +92,7 @@ Rigid3 Corridor(double time_s) {
 }
 
 /// In one place as well as a flying body can: some centimetres and degrees to and fro.
-Rigid3 Hover(double time_s) {
+vo::Rigid3 Hover(double time_s) {
   const double time = EasedTime(time_s, 2.0);
   const auto sway = [time](double size, double period_s) {
     return size * (std::sin(2.0 * kPi * time / period_s) +
@@ -103,7 +103,7 @@ Rigid3 Hover(double time_s) {
 }
 
 /// Turning on the spot at 0.7 to 2.5 radians a second.
-Rigid3 FastYaw(double time_s) {
+vo::Rigid3 FastYaw(double time_s) {
   const double time = EasedTime(time_s, 2.0);
   const double yaw = 1.6 * time + 0.6 * std::sin(1.5 * time);
   const Eigen::Vector3d position(0.3 * std::cos(0.5 * time), 0.3 * std::sin(0.5 * time),
@@ -114,7 +114,7 @@ Rigid3 FastYaw(double time_s) {
 
 struct NamedPath {
   const char* name;
-  Rigid3 (*path)(double);
+  vo::Rigid3 (*path)(double);
   double side_margin;
 };
 
@@ -146,9 +146,9 @@ double SideMargin(const std::string& name) { return Find(name).side_margin; }
 
 Motion MotionAt(const SimulationPath& path, double time_s) {
   constexpr double kStepS = 1e-3;
-  const Rigid3 before = path(time_s - kStepS);
-  const Rigid3 now = path(time_s);
-  const Rigid3 after = path(time_s + kStepS);
+  const vo::Rigid3 before = path(time_s - kStepS);
+  const vo::Rigid3 now = path(time_s);
+  const vo::Rigid3 after = path(time_s + kStepS);
   Motion motion;
   motion.world_from_body = now;
   motion.velocity_in_world = (after.translation - before.translation) / (2.0 * kStepS);
@@ -162,4 +162,4 @@ Motion MotionAt(const SimulationPath& path, double time_s) {
   return motion;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

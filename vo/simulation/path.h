@@ -6,11 +6,11 @@
 
 #include "gluevo/vo/core/rigid3.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// world_from_body at a time in seconds after the start; smooth (three times differentiable), at
 /// rest before 0. The world's z points up. The body is EuRoC's: x up, y right, z forward.
-using SimulationPath = std::function<Rigid3(double)>;
+using SimulationPath = std::function<vo::Rigid3(double)>;
 
 /// Throws Error listing the known names for an unknown one.
 SimulationPath MakeSimulationPath(const std::string& name);
@@ -19,7 +19,7 @@ double SideMargin(const std::string& name);
 
 /// What an ideal inertial unit on the path would feel.
 struct Motion {
-  Rigid3 world_from_body;
+  vo::Rigid3 world_from_body;
   Eigen::Vector3d velocity_in_world;         // m/s
   Eigen::Vector3d acceleration_in_world;     // m/s^2
   Eigen::Vector3d angular_velocity_in_body;  // rad/s
@@ -34,4 +34,4 @@ inline constexpr double kSimulationGravity = 9.81;
 /// shakes the body by 5 cm at 3 Hz; the sensor's noise is 2.8e-2 a sample.
 Motion MotionAt(const SimulationPath& path, double time_s);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -7,7 +7,7 @@
 
 #include "random.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 /// The seed of a part of a pattern: cheap, since the hashes of cells mix it.
@@ -360,4 +360,4 @@ Pattern Mirrored(Pattern pattern, double period_u_m, double period_v_m) {
   };
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -4,7 +4,7 @@
 
 #include "texture.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// Procedural patterns (brightness 0 to 1, lengths in metres, z or the page's top along +v). Every
 /// cell of every pattern is drawn from the seed and its own place, so nothing repeats but what
@@ -38,4 +38,4 @@ Pattern WithPosters(Pattern background, double width_m, double height_m, int cou
 /// what matchers must not be fooled by.
 Pattern Mirrored(Pattern pattern, double period_u_m, double period_v_m);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

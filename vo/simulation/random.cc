@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 NormalTable::NormalTable() {
   const int count = static_cast<int>(values_.size());
@@ -23,4 +23,4 @@ NormalTable::NormalTable() {
   }
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstdint>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// A well-mixed hash of a counter (the finaliser of SplitMix64, Steele et al. 2014): randomness
 /// that does not depend on the order in which it is drawn.
@@ -48,4 +48,4 @@ class NormalTable {
   std::array<float, 1 << kBits> values_ = {};
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

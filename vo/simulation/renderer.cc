@@ -3,7 +3,7 @@
 #include <limits>
 #include <optional>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr int kSamplesPerSide = 2;
@@ -42,19 +42,20 @@ float SumOfPixel(const FaceView& face, const Eigen::Vector2f* rays, const RayGri
 
 }  // namespace
 
-Renderer::Renderer(const StereoRig& rig, int threads)
+Renderer::Renderer(const vo::StereoRig& rig, int threads)
     : rig_(rig),
       grids_{RayGrid(rig.cameras[0], kSamplesPerSide, threads),
              RayGrid(rig.cameras[1], kSamplesPerSide, threads)},
       centers_{RayGrid(rig.cameras[0], 1, threads), RayGrid(rig.cameras[1], 1, threads)} {}
 
-void Renderer::AddSeen(const SimulatedWorld& world, int camera, const Rigid3& world_from_body,
+void Renderer::AddSeen(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body,
                        SeenParts* parts) const {
   parts->Add(FacesInView(world, world_from_body * rig_.body_from_cam[camera]), grids_[camera]);
 }
 
-void Renderer::Accumulate(const SimulatedWorld& world, int camera, const Rigid3& world_from_body,
-                          int first, int step, cv::Mat* sums) const {
+void Renderer::Accumulate(const SimulatedWorld& world, int camera,
+                          const vo::Rigid3& world_from_body, int first, int step,
+                          cv::Mat* sums) const {
   const RayGrid& grid = grids_[camera];
   const std::vector<FaceView> faces =
       FacesInView(world, world_from_body * rig_.body_from_cam[camera]);
@@ -92,8 +93,8 @@ void Renderer::Accumulate(const SimulatedWorld& world, int camera, const Rigid3&
 }
 
 cv::Mat Renderer::Render(const SimulatedWorld& world, int camera,
-                         const std::vector<Rigid3>& world_from_body) const {
-  const Camera& model = rig_.cameras[camera];
+                         const std::vector<vo::Rigid3>& world_from_body) const {
+  const vo::Camera& model = rig_.cameras[camera];
   constexpr int kSamples = kSamplesPerSide * kSamplesPerSide;
   cv::Mat sums(model.height, model.width, CV_32FC1, cv::Scalar(0.0));
   const int poses = static_cast<int>(world_from_body.size());
@@ -107,8 +108,8 @@ cv::Mat Renderer::Render(const SimulatedWorld& world, int camera,
 }
 
 cv::Mat Renderer::Depth(const SimulatedWorld& world, int camera,
-                        const Rigid3& world_from_body) const {
-  const Camera& model = rig_.cameras[camera];
+                        const vo::Rigid3& world_from_body) const {
+  const vo::Camera& model = rig_.cameras[camera];
   const std::vector<FaceView> faces =
       FacesInView(world, world_from_body * rig_.body_from_cam[camera]);
   cv::Mat depth(model.height, model.width, CV_32FC1,
@@ -128,9 +129,9 @@ cv::Mat Renderer::Depth(const SimulatedWorld& world, int camera,
   return depth;
 }
 
-Eye Renderer::At(const SimulatedWorld& world, int camera, const Rigid3& world_from_body) const {
+Eye Renderer::At(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body) const {
   return {world, rig_.cameras[camera], grids_[camera].widest,
           world_from_body * rig_.body_from_cam[camera]};
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

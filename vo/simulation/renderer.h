@@ -5,46 +5,46 @@
 #include <vector>
 
 #include "eye.h"
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 #include "seen.h"
 #include "view.h"
 #include "world.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// Ray casts what the cameras of a rig see, with four rays a pixel through the exact inverse of
 /// the cameras' distortion (kept as a table) and trilinear textures.
 class Renderer {
  public:
   /// `threads` are used here only; rendering is for one thread an image.
-  Renderer(const StereoRig& rig, int threads);
+  Renderer(const vo::StereoRig& rig, int threads);
 
   /// CV_32FC1: brightness, 0 to 255, of what a camera sees while the body takes all the given
   /// poses for equal times (one pose: a sharp image). Black where the camera has no ray.
   cv::Mat Render(const SimulatedWorld& world, int camera,
-                 const std::vector<Rigid3>& world_from_body) const;
+                 const std::vector<vo::Rigid3>& world_from_body) const;
 
   /// Adds the parts of the world that a sharp image reads.
-  void AddSeen(const SimulatedWorld& world, int camera, const Rigid3& world_from_body,
+  void AddSeen(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body,
                SeenParts* parts) const;
 
   /// CV_32FC1: depth along the optical axis, metres, of what is seen at the centre of each pixel;
   /// NaN where the camera has no ray.
-  cv::Mat Depth(const SimulatedWorld& world, int camera, const Rigid3& world_from_body) const;
+  cv::Mat Depth(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body) const;
 
   /// Exact correspondences of a camera of the body at a pose. The world must outlive it.
-  Eye At(const SimulatedWorld& world, int camera, const Rigid3& world_from_body) const;
+  Eye At(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body) const;
 
-  const StereoRig& rig() const { return rig_; }
+  const vo::StereoRig& rig() const { return rig_; }
 
  private:
   /// Adds what the samples `first`, `first` + `step`, ... of each pixel see to the sums.
-  void Accumulate(const SimulatedWorld& world, int camera, const Rigid3& world_from_body, int first,
-                  int step, cv::Mat* sums) const;
+  void Accumulate(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body,
+                  int first, int step, cv::Mat* sums) const;
 
-  StereoRig rig_;
+  vo::StereoRig rig_;
   std::array<RayGrid, 2> grids_;
   std::array<RayGrid, 2> centers_;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

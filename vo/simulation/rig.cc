@@ -3,21 +3,21 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/simulation/simulation.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr int kEurocWidth = 752;
 constexpr int kEurocHeight = 480;
 
 /// The upper rows of EuRoC's T_BS (body from camera).
-Rigid3 FromRows(const Eigen::Matrix<double, 3, 4>& rows) {
+vo::Rigid3 FromRows(const Eigen::Matrix<double, 3, 4>& rows) {
   // The published digits are not orthonormal to the last: the quaternion makes them so.
   return {Eigen::Quaterniond(Eigen::Matrix3d(rows.leftCols<3>())).normalized(), rows.col(3)};
 }
 
-Camera Scaled(const Camera& euroc, int width, int height) {
+vo::Camera Scaled(const vo::Camera& euroc, int width, int height) {
   const double scale = static_cast<double>(width) / kEurocWidth;
-  Camera camera = euroc;
+  vo::Camera camera = euroc;
   camera.width = width;
   camera.height = height;
   camera.fx *= scale;
@@ -30,24 +30,24 @@ Camera Scaled(const Camera& euroc, int width, int height) {
 
 }  // namespace
 
-StereoRig SimulationRig(int width, int height) {
-  Camera left;
+vo::StereoRig SimulationRig(int width, int height) {
+  vo::Camera left;
   left.width = kEurocWidth;
   left.height = kEurocHeight;
   left.fx = 458.654;
   left.fy = 457.296;
   left.cx = 367.215;
   left.cy = 248.375;
-  left.distortion = Distortion::kRadialTangential;
+  left.distortion = vo::Distortion::kRadialTangential;
   left.coefficients = {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05, 0.0};
-  Camera right = left;
+  vo::Camera right = left;
   right.fx = 457.587;
   right.fy = 456.134;
   right.cx = 379.999;
   right.cy = 255.238;
   right.coefficients = {-0.28368365, 0.07451284, -0.00010473, -3.55590700e-05, 0.0};
 
-  StereoRig rig;
+  vo::StereoRig rig;
   rig.body_frame = "imu (body)";
   rig.cameras = {Scaled(left, width, height), Scaled(right, width, height)};
   Eigen::Matrix<double, 3, 4> body_from_left;
@@ -60,7 +60,7 @@ StereoRig SimulationRig(int width, int height) {
       -0.0253898008918, 0.0179005838253, 0.999517347078, 0.00786212447038;
   rig.body_from_cam = {FromRows(body_from_left), FromRows(body_from_right)};
 
-  for (const Camera& camera : rig.cameras) {
+  for (const vo::Camera& camera : rig.cameras) {
     camera.Validate("the simulated camera");
     for (const double x : {-0.5, width - 0.5}) {
       for (const double y : {-0.5, height - 0.5}) {
@@ -77,4 +77,4 @@ StereoRig SimulationRig(int width, int height) {
   return rig;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

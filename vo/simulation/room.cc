@@ -11,7 +11,7 @@
 #include "patterns.h"
 #include "random.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr double kClearance = 0.6;
@@ -310,4 +310,4 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
   return world;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

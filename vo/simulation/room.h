@@ -8,7 +8,7 @@
 #include "seen.h"
 #include "world.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// The walls of a room, metres: floor at low.z, ceiling at high.z.
 struct RoomPlan {
@@ -37,4 +37,4 @@ SimulatedWorld MakeRoom(
     const RoomStyle& style, int threads,
     const std::function<void(const SimulatedWorld&, SeenParts*)>& add_seen = {});
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

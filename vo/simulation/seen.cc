@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 /// Bounds of what the rays of a tile see of a face's plane, metres.
@@ -86,4 +86,4 @@ void SeenParts::Add(const std::vector<FaceView>& faces, const RayGrid& grid) {
   }
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

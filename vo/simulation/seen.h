@@ -8,7 +8,7 @@
 #include "view.h"
 #include "world.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// The parts of a world's faces that given views read, so that the others need no texture: of a
 /// room that is seen from a few places, the larger share.
@@ -54,4 +54,4 @@ class SeenParts {
   std::vector<std::vector<Face>> boxes_;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 namespace {
 
@@ -60,4 +60,4 @@ cv::Mat Sensor::Expose(const cv::Mat& brightness, double exposure, uint64_t nois
   return image;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -6,7 +6,7 @@
 #include "gluevo/vo/simulation/simulation.h"
 #include "random.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// Turns the brightness that falls on a camera into an 8-bit image, as ImageOptions say.
 class Sensor {
@@ -25,4 +25,4 @@ class Sensor {
   const NormalTable& normal_;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -18,7 +18,7 @@
 #include "room.h"
 #include "sensor.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 /// Nanoseconds after the first image.
@@ -44,27 +44,27 @@ void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
 
 /// The body's poses during an exposure of `blur_ms` around `time_s`: one where it is at rest or the
 /// exposure is short, else as many as keep the image's steps below a pixel (to at most 64).
-std::vector<Rigid3> PosesOfExposure(const SimulationPath& path, double time_s, double blur_ms,
-                                    const StereoRig& rig) {
+std::vector<vo::Rigid3> PosesOfExposure(const SimulationPath& path, double time_s, double blur_ms,
+                                        const vo::StereoRig& rig) {
   constexpr double kNearM = 1.5;  // What is nearer than this may show its steps.
   constexpr int kSamples = 4;     // Of a pixel, which share the poses.
   const double exposure_s = 1e-3 * blur_ms;
-  const Rigid3 body_from_end =
+  const vo::Rigid3 body_from_end =
       path(time_s - 0.5 * exposure_s).Inverse() * path(time_s + 0.5 * exposure_s);
   const double turn = Eigen::AngleAxisd(body_from_end.rotation).angle();
   const double pixels =
       rig.cameras[0].fx * (std::abs(turn) + body_from_end.translation.norm() / kNearM);
   if (pixels < 0.1) return {path(time_s)};
   const int count = kSamples * std::clamp(static_cast<int>(std::ceil(pixels / kSamples)), 2, 16);
-  std::vector<Rigid3> poses;
+  std::vector<vo::Rigid3> poses;
   for (int i = 0; i < count; ++i) {
     poses.push_back(path(time_s + exposure_s * ((i + 0.5) / count - 0.5)));
   }
   return poses;
 }
 
-std::vector<Rigid3> Poses(const Flight& flight, const std::vector<int64_t>& times) {
-  std::vector<Rigid3> poses;
+std::vector<vo::Rigid3> Poses(const Flight& flight, const std::vector<int64_t>& times) {
+  std::vector<vo::Rigid3> poses;
   for (const int64_t time : times) poses.push_back(flight.path(Seconds(time)));
   return poses;
 }
@@ -133,7 +133,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
               const std::function<void(int, int)>& progress) {
   options.Validate();
   const int threads = ThreadCount(options.threads);
-  const StereoRig rig = SimulationRig(options.width, options.height);
+  const vo::StereoRig rig = SimulationRig(options.width, options.height);
   const Flight flight = PlanFlight(options);
   PartialDirectory partial(directory, "mav0");
   const std::filesystem::path mav = partial.Sub("mav0");
@@ -193,4 +193,4 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   partial.Finish();
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

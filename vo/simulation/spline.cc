@@ -9,7 +9,7 @@
 
 #include "gluevo/nn/error.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr double kKnotS = 0.1;
@@ -18,7 +18,7 @@ constexpr double kKnotS = 0.1;
 constexpr double kSmoothing = 0.02;
 constexpr std::array<double, 4> kThirdDifference = {-1.0, 3.0, -3.0, 1.0};
 
-double SecondsAfterFirst(const Trajectory& trajectory, std::size_t i) {
+double SecondsAfterFirst(const vo::Trajectory& trajectory, std::size_t i) {
   return static_cast<double>(trajectory[i].timestamp_ns - trajectory.front().timestamp_ns) * 1e-9;
 }
 
@@ -44,7 +44,7 @@ Weights<degree> BasisAt(double u) {
 
 }  // namespace
 
-TrajectorySpline::TrajectorySpline(const Trajectory& trajectory, const std::string& what) {
+TrajectorySpline::TrajectorySpline(const vo::Trajectory& trajectory, const std::string& what) {
   constexpr double kShortestS = 0.5;
   constexpr double kLongestS = 7200.0;
   duration_s_ = trajectory.empty() ? 0.0 : SecondsAfterFirst(trajectory, trajectory.size() - 1);
@@ -124,12 +124,12 @@ TrajectorySpline::Values TrajectorySpline::Blend(double time_s) const {
   return values;
 }
 
-Rigid3 TrajectorySpline::At(double time_s) const {
+vo::Rigid3 TrajectorySpline::At(double time_s) const {
   const Values values = Blend(time_s);
   return {Eigen::Quaterniond(Eigen::Vector4d(values.tail<4>())).normalized(), values.head<3>()};
 }
 
-double TakeOffSeconds(const Trajectory& trajectory, const std::string& what) {
+double TakeOffSeconds(const vo::Trajectory& trajectory, const std::string& what) {
   constexpr double kRestS = 2.0;
   constexpr double kStill = 0.02;  // metres
   constexpr double kAway = 1.0;    // metres
@@ -155,4 +155,4 @@ double TakeOffSeconds(const Trajectory& trajectory, const std::string& what) {
               ": no take-off found, expected a body at rest for 2 s that then moves 1 m away");
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -6,7 +6,7 @@
 #include "gluevo/vo/core/trajectory.h"
 #include "path.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// A smooth path through a recorded trajectory: a uniform B-spline of degree 5 (four times
 /// continuously differentiable), its knots 0.1 s apart, over the position and the unit quaternion
@@ -17,13 +17,13 @@ class TrajectorySpline {
  public:
   /// Throws Error naming `what` for less than two poses or 0.5 s, more than 2 hours, and where the
   /// body turns so much between poses that its way is unknown.
-  TrajectorySpline(const Trajectory& trajectory, const std::string& what);
+  TrajectorySpline(const vo::Trajectory& trajectory, const std::string& what);
 
   /// From the first to the last pose.
   double duration_s() const { return duration_s_; }
   /// world_from_body at `time_s` after the first pose; beyond both ends by extrapolation, which is
   /// good for the milliseconds that derivatives and exposures need.
-  Rigid3 At(double time_s) const;
+  vo::Rigid3 At(double time_s) const;
 
  private:
   static constexpr int kDegree = 5;
@@ -40,6 +40,6 @@ class TrajectorySpline {
 /// When the flight begins, in seconds after the first pose: the end of the first rest (2 s or more
 /// within 2 cm) from which the body gets more than 1 m away before it rests again, so that waiting
 /// and being shaken by hand are left out. Throws Error naming `what` where there is none.
-double TakeOffSeconds(const Trajectory& trajectory, const std::string& what);
+double TakeOffSeconds(const vo::Trajectory& trajectory, const std::string& what);
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

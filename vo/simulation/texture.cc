@@ -5,7 +5,7 @@
 
 #include "parallel_for.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 Texture::Level::Level(int columns_in, int rows_in, double texel_m)
     : columns(columns_in),
@@ -65,4 +65,4 @@ Texture::Texture(double width_m, double height_m, double texel_m, const Pattern&
   }
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

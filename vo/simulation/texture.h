@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// Brightness 0 to 1 at (u, v), metres from a surface's corner.
 using Pattern = std::function<double(double, double)>;
@@ -117,4 +117,4 @@ class Texture {
   float log2_texel_m_ = 0.0F;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

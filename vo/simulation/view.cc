@@ -7,14 +7,14 @@
 
 #include "parallel_for.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 FaceView::Form ToForm(const Eigen::RowVector3d& row) {
   return {static_cast<float>(row.x()), static_cast<float>(row.y()), static_cast<float>(row.z())};
 }
 
-void AddFaces(const SimulatedBox& box, int index, const Rigid3& world_from_cam,
+void AddFaces(const SimulatedBox& box, int index, const vo::Rigid3& world_from_cam,
               std::vector<FaceView>* faces) {
   const bool inward = index < 0;
   const Eigen::Vector3d eye = box.BoxFromWorld(world_from_cam.translation);
@@ -75,7 +75,7 @@ bool CanMeet(const FaceView& face, const RayGrid::Tile& tile, bool* all) {
 
 }  // namespace
 
-std::vector<FaceView> FacesInView(const SimulatedWorld& world, const Rigid3& world_from_cam) {
+std::vector<FaceView> FacesInView(const SimulatedWorld& world, const vo::Rigid3& world_from_cam) {
   std::vector<FaceView> faces;
   AddFaces(world.room, -1, world_from_cam, &faces);
   // Inside, all six are in front of one another.
@@ -86,7 +86,7 @@ std::vector<FaceView> FacesInView(const SimulatedWorld& world, const Rigid3& wor
   return faces;
 }
 
-RayGrid::RayGrid(const Camera& camera, int samples_per_side, int threads)
+RayGrid::RayGrid(const vo::Camera& camera, int samples_per_side, int threads)
     : width(camera.width), samples(samples_per_side * samples_per_side) {
   rays.resize(static_cast<std::size_t>(camera.width) * camera.height * samples);
   ParallelFor(camera.height, threads, [&](int y) {
@@ -181,4 +181,4 @@ const FaceView* TileFaces::Meet(const Eigen::Vector2f& ray) const {
   return nearest;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

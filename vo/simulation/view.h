@@ -5,10 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/geometry/camera.h"
 #include "world.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// A face of a box as one camera sees it. With the ray (x, y, 1) of the camera, the three linear
 /// forms a = `across`, u = `along_u`, v = `along_v` give the depth `distance` / a along the optical
@@ -36,7 +37,7 @@ inline float ValueAt(const FaceView::Form& form, float x, float y) {
 
 /// The faces that are turned towards a camera, the room's first (those that any ray meets; none
 /// where the camera is outside the room).
-std::vector<FaceView> FacesInView(const SimulatedWorld& world, const Rigid3& world_from_cam);
+std::vector<FaceView> FacesInView(const SimulatedWorld& world, const vo::Rigid3& world_from_cam);
 
 /// The rays of a camera through places in its pixels, in tiles.
 struct RayGrid {
@@ -50,7 +51,7 @@ struct RayGrid {
   };
 
   /// `samples_per_side` squared rays a pixel, through the exact inverse of the camera's distortion.
-  RayGrid(const Camera& camera, int samples_per_side, int threads);
+  RayGrid(const vo::Camera& camera, int samples_per_side, int threads);
 
   int width = 0;
   int samples = 1;                    ///< Rays a pixel.
@@ -84,4 +85,4 @@ struct TileFaces {
   const FaceView* only = nullptr;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -112,4 +112,4 @@ std::optional<SurfaceHit> WorldView::Cast(const Eigen::Vector3d& direction_in_wo
   return hit;
 }
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

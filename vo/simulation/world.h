@@ -7,7 +7,7 @@
 
 #include "texture.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// An upright box, turned about the vertical. Face 2 * axis + (1 where its outward normal is along
 /// +axis); a face's (u, v) are metres along the two other axes, in order, from their lower ends.
@@ -60,4 +60,4 @@ class WorldView {
   std::vector<Placed> boxes_;
 };
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

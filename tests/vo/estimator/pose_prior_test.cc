@@ -43,9 +43,9 @@ TEST(PosePriorFactor, JacobiansMatchCentralDifferences) {
   // Well away from the linearisation point, where the rotation's derivative is not the identity.
   std::vector<std::vector<double>> x;
   for (const Rigid3& pose : prior.world_from_body) {
-    PoseManifold::Tangent step;
+    PoseTangent step;
     step << testing::UniformVector(generator, 1.0), testing::UniformVector(generator, 0.5);
-    const PoseParameters moved = ToParameters(PoseManifold::Plus(pose, step));
+    const PoseParameters moved = ToParameters(Plus(pose, step));
     x.emplace_back(moved.begin(), moved.end());
   }
   x.push_back({0.1, -0.2, 0.3});
@@ -79,7 +79,7 @@ TEST(PosePriorFactor, JacobiansMatchCentralDifferences) {
     for (Eigen::Index k = 0; k < by_step.cols(); ++k) {
       const auto sample = [&](double offset) {
         if (is_pose) {
-          PoseManifold::Tangent step = PoseManifold::Tangent::Zero();
+          PoseTangent step = PoseTangent::Zero();
           step[k] = offset;
           manifold.Plus(at.data(), step.data(), x[block].data());
         } else {

@@ -1,11 +1,11 @@
-#include "gluevo/vo/estimator/reprojection_factors.h"
+#include "reprojection_factors.h"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <vector>
 
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "pose_manifold.h"
 #include "vo/scene.h"
 
 namespace gluevo::vo {

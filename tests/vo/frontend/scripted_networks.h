@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gluevo/vo/frontend/matcher.h"
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 /// Networks that do what a test tells them.
 namespace gluevo::vo::testing {

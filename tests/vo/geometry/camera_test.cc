@@ -1,4 +1,4 @@
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 #include <gtest/gtest.h>
 

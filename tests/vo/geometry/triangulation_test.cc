@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "gluevo/vo/geometry/manifold.h"
 #include "vo/scene.h"
 
 namespace gluevo::vo {
 namespace {
 
-View ViewOf(const Rigid3& world_from_cam, const Eigen::Vector3d& point) {
+PosedObservation ViewOf(const Rigid3& world_from_cam, const Eigen::Vector3d& point) {
   const Rigid3 cam_from_world = world_from_cam.Inverse();
   return {cam_from_world, (cam_from_world * point).hnormalized()};
 }
@@ -20,7 +20,7 @@ View ViewOf(const Rigid3& world_from_cam, const Eigen::Vector3d& point) {
 TEST(Triangulation, StereoByHand) {
   // Baseline 0.5 m along x, disparity 0.1 on the normalised plane: depth 0.5 / 0.1 = 5 m, and the
   // point lies at 5 * (0.2, -0.1, 1).
-  const std::vector<View> views = {
+  const std::vector<PosedObservation> views = {
       {{}, {0.2, -0.1}}, {{Eigen::Quaterniond::Identity(), {-0.5, 0.0, 0.0}}, {0.1, -0.1}}};
   const auto point = Triangulate(views, {});
   ASSERT_TRUE(point);
@@ -30,7 +30,7 @@ TEST(Triangulation, StereoByHand) {
 TEST(Triangulation, ManyViewsFarFromTheOrigin) {
   std::mt19937_64 generator(7);
   const Eigen::Vector3d point = Eigen::Vector3d(1e4, -2e4, 300.0);
-  std::vector<View> views;
+  std::vector<PosedObservation> views;
   for (int i = 0; i < 6; ++i) {
     const Eigen::Vector3d turn = testing::UniformVector(generator, 0.1);
     const Eigen::Vector3d center =
@@ -48,7 +48,7 @@ TEST(Triangulation, NoiseGivesTheLeastReprojectionError) {
   std::mt19937_64 generator(9);
   for (int trial = 0; trial < 20; ++trial) {
     const Eigen::Vector3d point = Eigen::Vector3d(0, 0, 5) + testing::UniformVector(generator, 1);
-    std::vector<View> views;
+    std::vector<PosedObservation> views;
     double true_cost = 0.0;
     for (int i = 0; i < 4; ++i) {
       views.push_back(ViewOf(
@@ -62,7 +62,7 @@ TEST(Triangulation, NoiseGivesTheLeastReprojectionError) {
     const auto found = Triangulate(views, {.max_error = 0.1});
     ASSERT_TRUE(found);
     double cost = 0.0;
-    for (const View& view : views) {
+    for (const PosedObservation& view : views) {
       cost += ((view.cam_from_world * *found).hnormalized() - view.normalized).squaredNorm();
     }
     EXPECT_LE(cost, true_cost);
@@ -73,7 +73,7 @@ TEST(Triangulation, LeavesOutWhatCannotBeTrusted) {
   const Rigid3 left;
   const Rigid3 right{Eigen::Quaterniond::Identity(), {0.1, 0.0, 0.0}};
   const auto stereo = [&](const Eigen::Vector3d& point) {
-    return std::vector<View>{ViewOf(left, point), ViewOf(right, point)};
+    return std::vector<PosedObservation>{ViewOf(left, point), ViewOf(right, point)};
   };
   const TriangulationOptions options;
   EXPECT_TRUE(Triangulate(stereo({0.0, 0.0, 5.0}), options));
@@ -87,10 +87,11 @@ TEST(Triangulation, LeavesOutWhatCannotBeTrusted) {
   skew[1].normalized.y() += 10.0 / 460.0;
   EXPECT_FALSE(Triangulate(skew, options));
   // Standing still.
-  EXPECT_FALSE(Triangulate(std::vector<View>(5, ViewOf(left, {0.0, 0.0, 5.0})), options));
+  EXPECT_FALSE(
+      Triangulate(std::vector<PosedObservation>(5, ViewOf(left, {0.0, 0.0, 5.0})), options));
   // One view, none, and values that are not finite.
-  EXPECT_FALSE(Triangulate(std::vector<View>{ViewOf(left, {0.0, 0.0, 5.0})}, options));
-  EXPECT_FALSE(Triangulate(std::vector<View>{}, options));
+  EXPECT_FALSE(Triangulate(std::vector<PosedObservation>{ViewOf(left, {0.0, 0.0, 5.0})}, options));
+  EXPECT_FALSE(Triangulate(std::vector<PosedObservation>{}, options));
   auto nan = stereo({0.0, 0.0, 5.0});
   nan[0].normalized.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(Triangulate(nan, options));

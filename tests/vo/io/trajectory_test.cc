@@ -1,4 +1,4 @@
-#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/io/trajectory_file.h"
 
 #include <gtest/gtest.h>
 

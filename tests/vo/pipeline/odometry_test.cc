@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "gluevo/vo/geometry/manifold.h"
 #include "vo/scene.h"
 
 namespace gluevo::vo {

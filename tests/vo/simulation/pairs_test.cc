@@ -17,7 +17,7 @@
 #include "gluevo/vo/io/hdf5_file.h"
 #include "temporary_folder.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 PairOptions Small() {
@@ -58,10 +58,10 @@ TEST(SimulatePairsTest, BytesDependOnTheSeedAndNotOnTheThreads) {
 struct View {
   cv::Matx33d matrix;
   std::vector<double> distortion;
-  Rigid3 world_from_cam;
+  vo::Rigid3 world_from_cam;
 };
 
-std::vector<View> ReadViews(const internal::H5InputFile& file, const std::string& room) {
+std::vector<View> ReadViews(const vo::internal::H5InputFile& file, const std::string& room) {
   const std::vector<float> cameras = file.ReadFloats(room + "/camera");
   const std::vector<float> poses = file.ReadFloats(room + "/world_from_cam");
   std::vector<View> views;
@@ -82,7 +82,7 @@ std::vector<View> ReadViews(const internal::H5InputFile& file, const std::string
 TEST(SimulatePairsTest, CorrespondencesAgreeWithDepthsAndCameras) {
   const TemporaryFolder folder;
   SimulatePairs(Small(), folder.path() / "out");
-  const internal::H5InputFile file(folder.path() / "out" / "rooms_00000.h5");
+  const vo::internal::H5InputFile file(folder.path() / "out" / "rooms_00000.h5");
   std::set<std::pair<int, int>> stereo;
   int compared = 0;
   for (const std::string room : {"room_000000", "room_000001"}) {
@@ -146,4 +146,4 @@ TEST(SimulatePairsTest, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

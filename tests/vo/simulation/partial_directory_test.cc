@@ -8,7 +8,7 @@
 #include "gluevo/nn/error.h"
 #include "temporary_folder.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 namespace fs = std::filesystem;
@@ -64,4 +64,4 @@ TEST(PartialDirectoryTest, ReplacesOnlyWhatADeadProgramLeft) {
 }
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

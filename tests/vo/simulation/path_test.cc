@@ -7,7 +7,7 @@
 
 #include "gluevo/vo/simulation/simulation.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 class NamedPathTest : public ::testing::TestWithParam<std::string> {};
@@ -37,7 +37,7 @@ INSTANTIATE_TEST_SUITE_P(All, NamedPathTest, ::testing::ValuesIn(SimulationPaths
                          [](const auto& instance) { return instance.param; });
 
 /// The direction of sight on the ground.
-double Yaw(const Rigid3& pose) {
+double Yaw(const vo::Rigid3& pose) {
   const Eigen::Vector3d forward = pose.rotation * Eigen::Vector3d::UnitZ();
   return std::atan2(forward.y(), forward.x());
 }
@@ -72,4 +72,4 @@ TEST(SimulationPathTest, PathsDoWhatTheirNamesSay) {
 }
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

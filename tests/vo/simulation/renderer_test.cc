@@ -14,15 +14,15 @@
 #include "room.h"
 #include "sensor.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 /// OpenCV's own camera model, so that nothing of ours checks itself.
-std::vector<cv::Point2d> ProjectWithOpenCv(const StereoRig& rig, int camera,
-                                           const Rigid3& world_from_body,
+std::vector<cv::Point2d> ProjectWithOpenCv(const vo::StereoRig& rig, int camera,
+                                           const vo::Rigid3& world_from_body,
                                            const std::vector<Eigen::Vector3d>& points_in_world) {
-  const Camera& model = rig.cameras[camera];
-  const Rigid3 cam_from_world = (world_from_body * rig.body_from_cam[camera]).Inverse();
+  const vo::Camera& model = rig.cameras[camera];
+  const vo::Rigid3 cam_from_world = (world_from_body * rig.body_from_cam[camera]).Inverse();
   cv::Mat rotation;
   cv::eigen2cv(Eigen::Matrix3d(cam_from_world.rotation.toRotationMatrix()), rotation);
   cv::Mat rotation_vector;
@@ -78,7 +78,7 @@ SimulatedWorld WorldOfDiscs() {
 }
 
 /// At the origin, looking along +x with a tilt.
-Rigid3 TiltedBody() {
+vo::Rigid3 TiltedBody() {
   Eigen::Matrix3d world_from_body;
   world_from_body.col(0) = Eigen::Vector3d::UnitZ();
   world_from_body.col(1) = -Eigen::Vector3d::UnitY();
@@ -92,10 +92,10 @@ Rigid3 TiltedBody() {
 // (0.2 px), both random along an outline of more than 100 pixels around an area of more than 1000,
 // so that a centroid is good to about 0.2 * sqrt(100) * 20 / 1000 / 4 = 0.01 px.
 TEST(RendererTest, DrawsDiscsWhereTheCameraModelPutsThem) {
-  const StereoRig rig = SimulationRig(752, 480);
+  const vo::StereoRig rig = SimulationRig(752, 480);
   const SimulatedWorld world = WorldOfDiscs();
   const Renderer renderer(rig, 2);
-  const Rigid3 world_from_body = TiltedBody();
+  const vo::Rigid3 world_from_body = TiltedBody();
   for (int camera = 0; camera < 2; ++camera) {
     cv::Mat image;
     renderer.Render(world, camera, {world_from_body}).convertTo(image, CV_8UC1);
@@ -147,7 +147,7 @@ class HallTest : public ::testing::Test {
     return points;
   }
 
-  StereoRig rig_;
+  vo::StereoRig rig_;
   SimulationPath path_;
   SimulatedWorld world_;
 };
@@ -157,8 +157,8 @@ TEST_F(HallTest, ExactPointsReprojectIntoBothImages) {
   int seen_by_both = 0;
   int hidden = 0;
   for (const double time : {0.0, 3.7, 9.1, 14.2}) {
-    const Rigid3 world_from_body = path_(time);
-    const Rigid3 world_from_right = world_from_body * rig_.body_from_cam[1];
+    const vo::Rigid3 world_from_body = path_(time);
+    const vo::Rigid3 world_from_right = world_from_body * rig_.body_from_cam[1];
     for (int y = 10; y < 480; y += 47) {
       for (int x = 10; x < 752; x += 61) {
         const auto point = renderer.At(world_, 0, world_from_body).PointAt(Eigen::Vector2d(x, y));
@@ -196,8 +196,8 @@ TEST_F(HallTest, DepthMapsAreTheDistancesOfRays) {
   const Renderer renderer(rig_, 2);
   std::set<int> boxes;
   for (const double time : {1.0, 5.0, 11.0, 17.0}) {
-    const Rigid3 world_from_body = path_(time);
-    const Rigid3 world_from_cam = world_from_body * rig_.body_from_cam[1];
+    const vo::Rigid3 world_from_body = path_(time);
+    const vo::Rigid3 world_from_cam = world_from_body * rig_.body_from_cam[1];
     const WorldView view(world_, world_from_cam.translation);
     const cv::Mat depth = renderer.Depth(world_, 1, world_from_body);
     ASSERT_EQ(depth.size(), cv::Size(752, 480));
@@ -218,13 +218,13 @@ TEST_F(HallTest, DepthMapsAreTheDistancesOfRays) {
 
 // An equidistant camera of 240 degrees has no ray in its corners.
 TEST_F(HallTest, PixelsWithoutARayAreBlack) {
-  StereoRig rig = rig_;
-  for (Camera& camera : rig.cameras) {
+  vo::StereoRig rig = rig_;
+  for (vo::Camera& camera : rig.cameras) {
     camera = {200, 200, 60.0, 60.0, 99.5, 99.5};
-    camera.distortion = Distortion::kEquidistant;
+    camera.distortion = vo::Distortion::kEquidistant;
   }
   const Renderer renderer(rig, 2);
-  const Rigid3 pose = path_(2.0);
+  const vo::Rigid3 pose = path_(2.0);
   const cv::Mat image = renderer.Render(world_, 0, {pose});
   const cv::Mat depth = renderer.Depth(world_, 0, pose);
   int seen = 0;
@@ -245,12 +245,12 @@ TEST_F(HallTest, PixelsWithoutARayAreBlack) {
 // A body that turns by 0.02 rad sees a mean of what it saw on the way.
 TEST_F(HallTest, MotionBlurIsTheMeanOfTheExposure) {
   const Renderer renderer(rig_, 2);
-  std::vector<Rigid3> poses;
+  std::vector<vo::Rigid3> poses;
   cv::Mat mean(480, 752, CV_32FC1, cv::Scalar(0.0));
   constexpr int kPoses = 16;
   for (int i = 0; i < kPoses; ++i) {
     const Eigen::AngleAxisd turn(0.02 * i / kPoses, Eigen::Vector3d::UnitX());
-    poses.push_back(path_(3.0) * Rigid3{Eigen::Quaterniond(turn), Eigen::Vector3d::Zero()});
+    poses.push_back(path_(3.0) * vo::Rigid3{Eigen::Quaterniond(turn), Eigen::Vector3d::Zero()});
     mean += renderer.Render(world_, 0, {poses.back()}) / kPoses;
   }
   const cv::Mat blurred = renderer.Render(world_, 0, poses);
@@ -291,7 +291,7 @@ TEST_F(HallTest, EveryViewHasCornersAllOver) {
 
 // At steep angles and near walls, too, where coarse levels of the textures are read.
 TEST_F(HallTest, TexturesOnlyOfWhatIsSeenGiveTheSameImages) {
-  const StereoRig rig = SimulationRig(376, 240);
+  const vo::StereoRig rig = SimulationRig(376, 240);
   const Renderer renderer(rig, 2);
   RoomPlan plan;
   plan.low.setZero();
@@ -299,19 +299,19 @@ TEST_F(HallTest, TexturesOnlyOfWhatIsSeenGiveTheSameImages) {
   const RoomStyle style{0.017, 0.012, 4.0, true};
   int gray = 0;
   for (uint64_t seed = 0; seed < 6; ++seed) {
-    std::vector<Rigid3> poses = {path_(1.7 * static_cast<double>(seed)),
-                                 path_(1.7 * static_cast<double>(seed) + 0.6)};
+    std::vector<vo::Rigid3> poses = {path_(1.7 * static_cast<double>(seed)),
+                                     path_(1.7 * static_cast<double>(seed) + 0.6)};
     poses[0].translation = {0.3 + 0.9 * static_cast<double>(seed), 0.2, 1.5};
     poses[1].translation = {3.0, 2.5, 0.2 + 0.5 * static_cast<double>(seed)};
     const std::vector<Eigen::Vector3d> places = {poses[0].translation, poses[1].translation};
     const SimulatedWorld whole = MakeRoom(seed, plan, places, style, 2);
     const SimulatedWorld seen =
         MakeRoom(seed, plan, places, style, 2, [&](const SimulatedWorld& plain, SeenParts* parts) {
-          for (const Rigid3& pose : poses) {
+          for (const vo::Rigid3& pose : poses) {
             for (const int camera : {0, 1}) renderer.AddSeen(plain, camera, pose, parts);
           }
         });
-    for (const Rigid3& pose : poses) {
+    for (const vo::Rigid3& pose : poses) {
       for (const int camera : {0, 1}) {
         EXPECT_EQ(cv::norm(renderer.Render(whole, camera, {pose}),
                            renderer.Render(seen, camera, {pose}), cv::NORM_INF),
@@ -361,4 +361,4 @@ TEST(NormalTableTest, IsStandardNormal) {
 }
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

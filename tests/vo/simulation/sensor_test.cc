@@ -6,7 +6,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 cv::Mat Gray(double value) { return {200, 300, CV_32FC1, cv::Scalar(value)}; }
@@ -86,4 +86,4 @@ TEST(SensorTest, ExposureWandersSmoothlyWithinItsStops) {
 }
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -16,7 +16,7 @@
 #include "path.h"
 #include "temporary_folder.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
 SimulationOptions Small() {
@@ -103,10 +103,10 @@ TEST(SimulationTest, WritesTheListedImagesAndTruePoses) {
   const std::filesystem::path mav = folder.path() / "out" / "mav0";
   const auto states = ReadCsv(mav / "state_groundtruth_estimate0" / "data.csv");
   const SimulationPath path = MakeSimulationPath("hall_loop");
-  std::map<double, Rigid3> truth;
+  std::map<double, vo::Rigid3> truth;
   for (const auto& row : states) {
     ASSERT_EQ(row.size(), 17U);
-    const Rigid3 expected = path(row[0]);
+    const vo::Rigid3 expected = path(row[0]);
     truth[row[0]] = expected;
     EXPECT_NEAR(row[1], expected.translation.x(), 1e-9);
     EXPECT_NEAR(row[2], expected.translation.y(), 1e-9);
@@ -208,10 +208,10 @@ TEST(SimulationTest, AddsDepthMapsAndCorrespondences) {
   EXPECT_EQ(files.size(), 8U + 2U + 4U + 1U + 1U);
 
   const std::filesystem::path mav = folder.path() / "one" / "mav0";
-  const internal::H5InputFile file(mav / "correspondences.h5");
+  const vo::internal::H5InputFile file(mav / "correspondences.h5");
   const std::vector<std::string> groups = file.GroupsWith("pixel");
   ASSERT_EQ(groups.size(), 2U);
-  const StereoRig rig = SimulationRig(160, 100);
+  const vo::StereoRig rig = SimulationRig(160, 100);
   const SimulationPath path = MakeSimulationPath("hall_loop");
   int in_right = 0;
   int in_next = 0;
@@ -301,8 +301,8 @@ TEST(SimulationTest, RefusesOptionsOutOfRange) {
 }
 
 TEST(SimulationRigTest, ScalesWithTheImage) {
-  const StereoRig full = SimulationRig(752, 480);
-  const StereoRig half = SimulationRig(376, 240);
+  const vo::StereoRig full = SimulationRig(752, 480);
+  const vo::StereoRig half = SimulationRig(376, 240);
   EXPECT_EQ(full.cameras[0].fx, 458.654);
   EXPECT_NEAR(full.baseline(), 0.11, 0.001);  // EuRoC's baseline is 11 cm.
   // A pixel of the half-size image covers 2 x 2 of the full-size one: centre x at 2 x + 0.5.
@@ -373,7 +373,7 @@ TEST(SimulationImuTest, IntegratesBackToThePath) {
 
 TEST(SimulationImuTest, NoiseHasEurocsSpread) {
   // A body at rest: what is left is the noise, of density * sqrt(200 Hz) a sample.
-  const SimulationPath still = [](double) { return Rigid3(); };
+  const SimulationPath still = [](double) { return vo::Rigid3(); };
   ImuNoise noise;
   noise.gyroscope_random_walk = noise.accelerometer_random_walk = 0.0;
   const std::vector<ImuSample> samples = SimulateImu(still, 4000, noise, 5);
@@ -392,4 +392,4 @@ TEST(SimulationImuTest, NoiseHasEurocsSpread) {
 }
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

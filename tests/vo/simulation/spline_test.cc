@@ -8,11 +8,11 @@
 #include "gluevo/nn/error.h"
 #include "imu.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 namespace {
 
-Trajectory Sampled(const SimulationPath& path, double rate_hz, double duration_s) {
-  Trajectory trajectory;
+vo::Trajectory Sampled(const SimulationPath& path, double rate_hz, double duration_s) {
+  vo::Trajectory trajectory;
   for (int i = 0; i <= duration_s * rate_hz; ++i) {
     const double time = i / rate_hz;
     trajectory.push_back({1'400'000'000'000'000'000 + std::llround(time * 1e9), path(time)});
@@ -20,7 +20,7 @@ Trajectory Sampled(const SimulationPath& path, double rate_hz, double duration_s
   return trajectory;
 }
 
-std::string ErrorOf(const Trajectory& trajectory) {
+std::string ErrorOf(const vo::Trajectory& trajectory) {
   try {
     const TrajectorySpline spline(trajectory, "flight.txt");
   } catch (const Error& error) {
@@ -43,7 +43,7 @@ TEST(TrajectorySplineTest, FollowsASmoothPath) {
 
 TEST(TrajectorySplineTest, HasContinuousDerivatives) {
   // A recording with a jump of 5 cm and one of the quaternion's sign, as files have them.
-  Trajectory trajectory = Sampled(MakeSimulationPath("hall_loop"), 50.0, 6.0);
+  vo::Trajectory trajectory = Sampled(MakeSimulationPath("hall_loop"), 50.0, 6.0);
   for (std::size_t i = 150; i < trajectory.size(); ++i) {
     trajectory[i].world_from_body.translation.x() += 0.05;
     trajectory[i].world_from_body.rotation.coeffs() *= -1.0;
@@ -107,11 +107,11 @@ TEST(TrajectorySplineTest, InertialSamplesIntegrateBackWithinTheirNoise) {
 }
 
 TEST(TrajectorySplineTest, RefusesWhatCannotBeFlown) {
-  const SimulationPath still = [](double) { return Rigid3(); };
+  const SimulationPath still = [](double) { return vo::Rigid3(); };
   EXPECT_EQ(ErrorOf(Sampled(still, 10.0, 3.0)), "");
   EXPECT_NE(ErrorOf({}).find("flight.txt: 0 poses"), std::string::npos);
   EXPECT_NE(ErrorOf(Sampled(still, 10.0, 0.2)).find("expected 0.5 s"), std::string::npos);
-  Trajectory turning = Sampled(still, 1.0, 3.0);
+  vo::Trajectory turning = Sampled(still, 1.0, 3.0);
   turning[2].world_from_body.rotation = Eigen::AngleAxisd(3.0, Eigen::Vector3d::UnitX());
   EXPECT_NE(ErrorOf(turning).find("turns by more than 120 degrees"), std::string::npos);
   EXPECT_EQ(ErrorOf(Sampled(still, 2.0, 0.5)), "");  // Two poses.
@@ -123,7 +123,7 @@ TEST(TakeOffTest, IsTheEndOfTheRestBeforeTheFlight) {
     const double shake = time < 3.0 ? 0.3 * std::sin(6.0 * time) : 0.0;
     const double shift = time > 6.0 ? 0.5 * std::min(time - 6.0, 1.0) : 0.0;
     const double flight = std::max(0.0, time - 12.0);
-    return Rigid3{Eigen::Quaterniond::Identity(), Eigen::Vector3d(shake, shift, flight)};
+    return vo::Rigid3{Eigen::Quaterniond::Identity(), Eigen::Vector3d(shake, shift, flight)};
   };
   EXPECT_NEAR(TakeOffSeconds(Sampled(path, 50.0, 20.0), "flight.txt"), 12.0, 0.05);
   EXPECT_THROW(TakeOffSeconds(Sampled(path, 50.0, 11.0), "flight.txt"), Error);
@@ -140,16 +140,16 @@ TEST_P(EurocFlightTest, IsFollowedFromItsTakeOff) {
   const std::filesystem::path file =
       std::filesystem::path(GLUEVO_SHARED_DIR) / "data/trajectories/groundtruth" / GetParam().file;
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
-  const Trajectory trajectory = ReadTrajectory(file);
+  const vo::Trajectory trajectory = vo::ReadTrajectory(file);
   const double take_off = TakeOffSeconds(trajectory, file.string());
   EXPECT_GT(take_off, GetParam().earliest_s);
   EXPECT_LT(take_off, GetParam().latest_s);
   const TrajectorySpline spline(trajectory, file.string());
   double squares = 0.0;
   double turn_squares = 0.0;
-  for (const StampedPose& pose : trajectory) {
+  for (const vo::StampedPose& pose : trajectory) {
     const double time = static_cast<double>(pose.timestamp_ns - trajectory[0].timestamp_ns) * 1e-9;
-    const Rigid3 at = spline.At(time);
+    const vo::Rigid3 at = spline.At(time);
     squares += (at.translation - pose.world_from_body.translation).squaredNorm();
     turn_squares += std::pow(at.rotation.angularDistance(pose.world_from_body.rotation), 2);
   }
@@ -165,4 +165,4 @@ INSTANTIATE_TEST_SUITE_P(All, EurocFlightTest,
                                            Flight{"V1_01_easy.txt", 2.0, 6.0}));
 
 }  // namespace
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <ceres/cost_function.h>
-
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstddef>
@@ -10,21 +8,21 @@
 #include <vector>
 
 #include "gluevo/vo/core/rigid3.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "gluevo/vo/geometry/manifold.h"
 
 namespace gluevo::vo {
 
 /// What measurements that are gone say of some poses and of the right camera's orientation: a
 /// Gaussian, kept as the residual r0 + J dx, where dx is the distance from the linearisation point
 /// (Leutenegger et al. 2015, section 3.4; Qin et al. 2018, section VI-D). The columns of J are the
-/// frames', [dp, dtheta] each (PoseManifold), then the turn's (reprojection_factors.h).
+/// frames', a PoseTangent each, then the turn's (reprojection_factors.h).
 ///
 /// The linearisation point of a pose is its estimate when it first came into a prior, and stays:
 /// were derivatives of one pose taken at two places, their sum would claim to know where the rig
 /// is in the world, of which nothing was ever measured (first-estimates Jacobians, Huang et al.
 /// 2010).
 struct PosePrior {
-  static constexpr int kPose = PoseManifold::kTangentSize;
+  static constexpr int kPose = kPoseTangentSize;
   static constexpr int kTurn = 3;
 
   std::vector<int64_t> frame_ids;  ///< Increasing.
@@ -47,20 +45,6 @@ PosePrior WithoutFrame(const PosePrior& prior, int64_t frame_id);
 /// right_from_right_before.
 Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
                             const Eigen::Quaterniond& body_from_right);
-
-/// The prior as a residual of bundle adjustment. Parameters: world_from_body of each of the prior's
-/// frames (PoseParameters), then the turn since `body_from_right`, the present orientation.
-class PosePriorFactor final : public ceres::CostFunction {
- public:
-  /// Keeps a reference: `prior` must outlive the factor.
-  PosePriorFactor(const PosePrior& prior, const Eigen::Quaterniond& body_from_right);
-  bool Evaluate(double const* const* parameters, double* residuals,
-                double** jacobians) const override;
-
- private:
-  const PosePrior& prior_;
-  Eigen::Vector3d turn_so_far_;
-};
 
 /// Gathers linearised measurements of poses and the turn, and gives what they say once some of the
 /// poses are eliminated.

@@ -9,58 +9,15 @@
 #include <unordered_map>
 #include <vector>
 
+#include "gluevo/vo/core/map_point.h"
 #include "gluevo/vo/core/rigid3.h"
+#include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/estimator/pose_prior.h"
-#include "gluevo/vo/frontend/frontend.h"
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/estimator/sliding_window_options.h"
 #include "gluevo/vo/geometry/pnp.h"
-#include "gluevo/vo/geometry/pose_manifold.h"
-#include "gluevo/vo/geometry/triangulation.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
-
-struct SlidingWindowOptions {
-  /// Frames in the window, the newest included.
-  int size = 11;
-  /// Standard deviation of a keypoint, normalised plane: half a pixel, as optical flow and refined
-  /// matches have it. VINS-Fusion takes 1.5 px; with that the robust loss takes errors of a pixel
-  /// for noise, and drift is larger. (PnP, which judges matches that may be worse, has its own.)
-  double noise = 0.5 / 460.0;
-  /// Huber threshold of the reprojection residuals, in standard deviations.
-  double huber = 1.0;
-  /// Limit of the solver. By count and never by time, so that results repeat.
-  int max_iterations = 8;
-  /// Landmarks with a larger mean reprojection error (normalised plane, both cameras) are dropped.
-  double max_mean_error = 3.0 / 460.0;
-  /// A frame is a key frame when its tracks have moved this much, on average, since the last key
-  /// frame (normalised plane) ...
-  double keyframe_parallax = 10.0 / 460.0;
-  /// ... or fewer tracks than this were followed ...
-  int min_tracked = 20;
-  /// ... or fewer than this were followed that have at least `long_track` observations ...
-  int min_long_tracked = 40;
-  int long_track = 4;
-  /// ... or there are more new tracks than this times those that were followed.
-  double max_new_share = 0.5;
-  /// How well the calibration knows the right camera's orientation in the rig: standard deviation
-  /// on each axis, radians. Within it the orientation is refined with each bundle adjustment; 0
-  /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
-  /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
-  /// much the same in the next, so that many frames agree on more than they know.
-  double right_turn_sigma = 5e-5;
-  /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
-  bool marginalize = true;
-  TriangulationOptions triangulation;
-
-  /// Throws Error naming the option.
-  void Validate() const;
-};
-
-/// A point of the scene and the track that shows it.
-struct MapPoint {
-  int64_t track_id = 0;
-  Eigen::Vector3d point_in_world = Eigen::Vector3d::Zero();  ///< Metres.
-};
 
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
 /// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
@@ -128,12 +85,8 @@ class SlidingWindow {
     int observations = 1;  // dropped views included
   };
   using Landmarks = std::map<int64_t, Landmark>;
-  // Where residuals are taken and where their derivatives are, one pose a frame, and what lies
-  // between the two, by the tangents of the whole state.
-  struct Linearization {
-    std::vector<PoseParameters> present, first_estimates;
-    Eigen::VectorXd delta;
-  };
+  struct Linearization;
+  class Adjustment;
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {

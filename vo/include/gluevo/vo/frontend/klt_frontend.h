@@ -6,8 +6,8 @@
 
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/frontend/optical_flow.h"
-#include "gluevo/vo/geometry/camera.h"
 #include "gluevo/vo/geometry/epipolar.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gluevo/vo/frontend/frontend.h"
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 

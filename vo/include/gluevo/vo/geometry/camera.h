@@ -4,8 +4,6 @@
 #include <array>
 #include <string>
 
-#include "gluevo/vo/core/rigid3.h"
-
 namespace gluevo::vo {
 
 enum class Distortion {
@@ -42,22 +40,6 @@ struct Camera {
   /// camera that look 90 degrees or more to the side (the corners of a TUM-VI image), so check
   /// allFinite().
   Eigen::Vector2d Undistort(const Eigen::Vector2d& pixel) const;
-};
-
-/// Two cameras on one body. Index 0 is the left camera, 1 the right.
-struct StereoRig {
-  std::array<Camera, 2> cameras;
-  std::array<Rigid3, 2> body_from_cam;
-  /// What the body frame is, for file headers: "imu (body)" or "left camera".
-  std::string body_frame;
-
-  Rigid3 right_from_left() const { return body_from_cam[1].Inverse() * body_from_cam[0]; }
-  /// Distance of the two camera centres, metres.
-  double baseline() const { return right_from_left().translation.norm(); }
-
-  /// Throws Error naming `what` for an invalid camera, a pose that is not finite, or two cameras in
-  /// the same place.
-  void Validate(const std::string& what) const;
 };
 
 }  // namespace gluevo::vo

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 

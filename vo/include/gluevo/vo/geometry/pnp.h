@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gluevo/vo/core/rigid3.h"
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 

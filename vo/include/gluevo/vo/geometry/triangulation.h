@@ -23,7 +23,7 @@ struct TriangulationOptions {
 };
 
 /// One view of a point.
-struct View {
+struct PosedObservation {
   Rigid3 cam_from_world;
   Eigen::Vector2d normalized = Eigen::Vector2d::Zero();  // on the plane z = 1
 };
@@ -31,7 +31,7 @@ struct View {
 /// The point (world, metres) that the views see: linear least squares (DLT; Hartley and Zisserman,
 /// section 12.2), then Gauss-Newton on the reprojection error. Nothing where there are fewer than
 /// two views or a check of the options fails.
-std::optional<Eigen::Vector3d> Triangulate(std::span<const View> views,
+std::optional<Eigen::Vector3d> Triangulate(std::span<const PosedObservation> views,
                                            const TriangulationOptions& options);
 
 }  // namespace gluevo::vo

@@ -1,14 +1,15 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/core/trajectory.h"
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 
@@ -35,12 +36,6 @@ struct DatasetOptions {
   int count = -1;
   int stride = 1;
   void Validate() const;
-};
-
-/// One stereo pair, gray, 8 bits.
-struct StereoFrame {
-  int64_t timestamp_ns = 0;
-  std::array<cv::Mat, 2> images;  ///< CV_8UC1, left and right, of the cameras' sizes.
 };
 
 /// A stereo sequence on disk: opened (listed, calibrated, checked for missing files), not loaded.

@@ -8,9 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
-#include "gluevo/vo/geometry/camera.h"
-#include "gluevo/vo/io/dataset.h"
-#include "gluevo/vo/pipeline/odometry.h"
+#include "gluevo/vo/core/frame_result.h"
+#include "gluevo/vo/core/map_point.h"
+#include "gluevo/vo/core/stereo_frame.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
 

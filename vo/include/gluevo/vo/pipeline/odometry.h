@@ -1,17 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
-#include <string>
 #include <vector>
 
-#include "gluevo/vo/estimator/sliding_window.h"
+#include "gluevo/vo/core/frame_result.h"
+#include "gluevo/vo/core/map_point.h"
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/estimator/sliding_window_options.h"
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/geometry/pnp.h"
 
 namespace gluevo::vo {
+
+class SlidingWindow;
 
 struct OdometryOptions {
   PnpOptions pnp;
@@ -24,24 +27,6 @@ struct OdometryOptions {
   void Validate() const;
 };
 
-/// What became of one frame.
-struct FrameResult {
-  int64_t timestamp_ns = 0;
-  /// World frame: the body's at the first frame.
-  Rigid3 world_from_body;
-  bool is_keyframe = false;
-  /// Starts at 0 and grows by one where the pose could not be linked to those before: poses of
-  /// different segments have nothing to do with each other.
-  int segment = 0;
-  int observations = 0;                     ///< Tracks in the frame.
-  int tracked = 0;                          ///< Of these, known points (with a depth) from before.
-  int stereo = 0;                           ///< Of these, seen by both cameras.
-  int inliers = 0;                          ///< Known points that agree with the pose.
-  int landmarks = 0;                        ///< Landmarks with a depth in the window.
-  TrackedFrame tracked_frame;               ///< What the pose was estimated from.
-  std::map<std::string, double> stages_ms;  ///< The front end's, "frontend" and "estimator".
-};
-
 /// Stereo visual odometry: a pose for every frame, from this frame and those before it, never
 /// revised.
 class Odometry {
@@ -49,15 +34,18 @@ class Odometry {
   /// Throws Error for options out of their range.
   Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
            const OdometryOptions& options);
+  ~Odometry();
+  Odometry(Odometry&&) noexcept;
+  Odometry& operator=(Odometry&&) noexcept;
 
   /// The next stereo pair. Throws Error where the time does not increase, and what the front end
   /// throws.
   FrameResult Process(const StereoFrame& frame);
 
   /// The landmarks of the window that have a depth, as they are known after the last frame.
-  std::vector<MapPoint> MapPoints() const { return window_.MapPoints(); }
+  std::vector<MapPoint> MapPoints() const;
   /// The rig with the right camera's orientation as the window refined it.
-  const StereoRig& rig() const { return window_.rig(); }
+  const StereoRig& rig() const;
 
  private:
   struct FramePose {
@@ -78,7 +66,7 @@ class Odometry {
   StereoRig rig_;
   std::unique_ptr<FrontEnd> frontend_;
   OdometryOptions options_;
-  SlidingWindow window_;
+  std::unique_ptr<SlidingWindow> window_;  // Never absent.
   int segment_ = 0;
   std::optional<StampedPose> last_, last_but_one_;
 };

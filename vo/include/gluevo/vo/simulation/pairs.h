@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <functional>
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 struct PairOptions {
   int rooms = 1000;
@@ -49,4 +49,4 @@ struct PairOptions {
 void SimulatePairs(const PairOptions& options, const std::filesystem::path& directory,
                    const std::function<void(int, int)>& progress = {});
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "gluevo/vo/geometry/camera.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
-namespace gluevo::vo {
+namespace gluevo::simulation {
 
 /// What a camera makes of the light that falls on it.
 struct ImageOptions {
@@ -77,7 +77,7 @@ std::vector<std::string> SimulationPaths();
 /// distortion and extrinsics of the Vicon rooms), scaled to images of width x height pixels: focal
 /// lengths by width / 752, principal points keeping their offset from the centre. Throws Error
 /// where the distortion cannot be undone over such an image.
-StereoRig SimulationRig(int width, int height);
+vo::StereoRig SimulationRig(int width, int height);
 
 /// Renders a stereo sequence through a textured room as an EuRoC ASL folder: directory/mav0 with
 /// cam0, cam1 (png), imu0 (200 Hz, with EuRoC's noise and biases) and the ground truth of the body
@@ -97,4 +97,4 @@ StereoRig SimulationRig(int width, int height);
 void Simulate(const SimulationOptions& options, const std::filesystem::path& directory,
               const std::function<void(int, int)>& progress = {});
 
-}  // namespace gluevo::vo
+}  // namespace gluevo::simulation

@@ -1,4 +1,4 @@
-#include "gluevo/vo/geometry/pose_manifold.h"
+#include "pose_manifold.h"
 
 #include <gtest/gtest.h>
 
@@ -36,9 +36,9 @@ TEST(PoseManifold, RotatesInTheBodyFrame) {
   // q <- q * exp(d): a body that looks along world y and turns about its own x axis turns about
   // world y.
   const Rigid3 pose{ExpSo3({0.0, 0.0, std::numbers::pi / 2.0}), {1.0, 2.0, 3.0}};
-  PoseManifold::Tangent delta;
+  PoseTangent delta;
   delta << 0.5, 0.0, 0.0, 0.1, 0.0, 0.0;
-  const Rigid3 moved = PoseManifold::Plus(pose, delta);
+  const Rigid3 moved = Plus(pose, delta);
   EXPECT_LT((moved.translation - Eigen::Vector3d(1.5, 2.0, 3.0)).norm(), 1e-15);
   const Eigen::Quaterniond expected = ExpSo3({0.0, 0.1, 0.0}) * pose.rotation;
   EXPECT_LT(moved.rotation.angularDistance(expected), 1e-14);
@@ -48,9 +48,9 @@ TEST(PoseManifold, MinusUndoesPlus) {
   std::mt19937_64 generator(5);
   for (int i = 0; i < 20; ++i) {
     const Rigid3 pose = SomePose(i);
-    PoseManifold::Tangent delta;
+    PoseTangent delta;
     delta << testing::UniformVector(generator, 1.0), testing::UniformVector(generator, 1.0);
-    EXPECT_LT((PoseManifold::Minus(PoseManifold::Plus(pose, delta), pose) - delta).norm(), 1e-13);
+    EXPECT_LT((Minus(Plus(pose, delta), pose) - delta).norm(), 1e-13);
   }
 }
 
@@ -64,7 +64,7 @@ TEST(PoseManifold, JacobiansMatchCentralDifferences) {
   // Truncation h^2 and rounding eps / h are both below 1e-9 at this step.
   constexpr double kStep = 1e-5;
   for (int column = 0; column < 6; ++column) {
-    PoseManifold::Tangent delta = PoseManifold::Tangent::Zero();
+    PoseTangent delta = PoseTangent::Zero();
     PoseParameters forward, backward;
     delta[column] = kStep;
     manifold.Plus(x.data(), delta.data(), forward.data());

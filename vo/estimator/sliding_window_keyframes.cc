@@ -1,0 +1,52 @@
+#include <algorithm>
+#include <iterator>
+#include <limits>
+
+#include "gluevo/vo/estimator/sliding_window.h"
+
+// The choice of key frames (Qin et al. 2018, section IV-A).
+namespace gluevo::vo {
+
+void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
+  Frame& newest = frames_.back();
+  std::size_t tracked = 0;
+  std::size_t long_tracked = 0;
+  for (const auto& [id, landmark] : landmarks_) {
+    if (landmark.observations > 1 && landmark.views.back().frame_id == newest.id) {
+      ++tracked;
+      long_tracked += landmark.observations >= options_.long_track;
+    }
+  }
+  newest.lost_tracks = frames_.size() < 2 ||
+                       tracked < static_cast<std::size_t>(options_.min_tracked) ||
+                       long_tracked < static_cast<std::size_t>(options_.min_long_tracked) ||
+                       static_cast<double>(new_tracks) > options_.max_new_share * tracked;
+  newest.is_keyframe = newest.lost_tracks;
+  if (!newest.is_keyframe) {
+    const auto last_keyframe = std::find_if(std::next(frames_.rbegin()), frames_.rend(),
+                                            [](const Frame& frame) { return frame.is_keyframe; });
+    newest.is_keyframe = last_keyframe == frames_.rend() ||
+                         MeanParallax(last_keyframe->id, newest.id) >= options_.keyframe_parallax;
+  }
+}
+
+double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
+  double sum = 0.0;
+  int count = 0;
+  for (const auto& [id, landmark] : landmarks_) {
+    const auto see = [&](int64_t frame_id) {
+      return std::find_if(landmark.views.begin(), landmark.views.end(),
+                          [&](const LandmarkView& view) { return view.frame_id == frame_id; });
+    };
+    const auto view0 = see(frame_id0);
+    const auto view1 = see(frame_id1);
+    if (view0 != landmark.views.end() && view1 != landmark.views.end()) {
+      sum += (view1->left - view0->left).norm();
+      ++count;
+    }
+  }
+  // Frames that share nothing are as far apart as can be.
+  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace gluevo::vo

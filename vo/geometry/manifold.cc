@@ -1,0 +1,47 @@
+#include "gluevo/vo/geometry/manifold.h"
+
+#include <cmath>
+
+namespace gluevo::vo {
+
+Eigen::Matrix3d Skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0.0, -v.z(), v.y(),  //
+      v.z(), 0.0, -v.x(),        //
+      -v.y(), v.x(), 0.0;
+  return matrix;
+}
+
+Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector) {
+  const double half_angle = 0.5 * rotation_vector.norm();
+  // sin(x) / x, by its series where the quotient would lose digits.
+  const double sinc =
+      half_angle < 1e-4 ? 1.0 - half_angle * half_angle / 6.0 : std::sin(half_angle) / half_angle;
+  const Eigen::Vector3d xyz = 0.5 * sinc * rotation_vector;
+  return Eigen::Quaterniond(std::cos(half_angle), xyz.x(), xyz.y(), xyz.z()).normalized();
+}
+
+Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation) {
+  // q and -q are the same rotation; the one with w >= 0 has the angle below pi.
+  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
+  const Eigen::Vector3d xyz = sign * rotation.vec();
+  const double sine = xyz.norm();
+  const double cosine = sign * rotation.w();
+  if (sine < 1e-8) {
+    return 2.0 / cosine * xyz;
+  }
+  return 2.0 * std::atan2(sine, cosine) / sine * xyz;
+}
+
+Rigid3 Plus(const Rigid3& pose, const PoseTangent& delta) {
+  return {(pose.rotation * ExpSo3(delta.tail<3>())).normalized(),
+          pose.translation + delta.head<3>()};
+}
+
+PoseTangent Minus(const Rigid3& y, const Rigid3& x) {
+  PoseTangent difference;
+  difference << y.translation - x.translation, LogSo3(x.rotation.conjugate() * y.rotation);
+  return difference;
+}
+
+}  // namespace gluevo::vo

@@ -1,0 +1,20 @@
+#include "gluevo/vo/pipeline/odometry_config.h"
+
+#include "gluevo/vo/core/options_check.h"
+
+namespace gluevo::vo {
+
+void OdometryOptions::Validate() const {
+  pnp.Validate();
+  window.Validate();
+  CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
+  CheckPositive(max_turn_deg_per_s, "max_turn_deg_per_s");
+}
+
+void OdometryConfig::Validate() const {
+  frontend.Validate();
+  odometry.Validate();
+  CheckAtLeast(threads, 0, "threads");
+}
+
+}  // namespace gluevo::vo

@@ -1,0 +1,76 @@
+#include "gluevo/vo/pipeline/presets.h"
+
+#include <algorithm>
+#include <iterator>
+
+#include "gluevo/nn/error.h"
+
+namespace gluevo::vo {
+namespace {
+
+struct PresetRow {
+  const char* name;
+  const char* description;
+  void (*apply)(OdometryConfig& config);
+};
+
+// What a preset does not name is the default.
+constexpr PresetRow kPresets[] = {
+    {"euroc", "indoor flights, hand-held rigs: the defaults", [](OdometryConfig&) {}},
+    // VINS-Fusion's constants for KITTI (config/kitti_odom).
+    {"driving", "cars on roads",
+     [](OdometryConfig& config) {
+       config.frontend.klt.max_corners = 200;
+       config.odometry.window.keyframe_parallax_px = 15.0;
+     }},
+};
+
+void ApplyMethod(const std::string& method, OdometryConfig& config) {
+  config.frontend.method = method;
+  if (method == "superpoint") {
+    // Tracks need not lie on the strongest keypoints of the right image.
+    config.frontend.superpoint.keypoint_threshold = 0.0005F;
+    config.frontend.superpoint.max_keypoints = 1500;
+  }
+}
+
+}  // namespace
+
+std::vector<Preset> Presets() {
+  std::vector<Preset> presets;
+  for (const PresetRow& row : kPresets) {
+    presets.push_back({row.name, row.description});
+  }
+  return presets;
+}
+
+std::string PresetOf(DatasetFormat format) {
+  switch (format) {
+    case DatasetFormat::kKittiOdometry:
+    case DatasetFormat::kKittiRaw:
+      return "driving";
+    case DatasetFormat::kEuroc:
+    case DatasetFormat::kPlain:
+      break;
+  }
+  return "euroc";
+}
+
+OdometryConfig PresetConfig(const std::string& preset, const std::string& method) {
+  const auto* const row = std::find_if(std::begin(kPresets), std::end(kPresets),
+                                       [&](const PresetRow& known) { return known.name == preset; });
+  if (row == std::end(kPresets)) {
+    std::string names;
+    for (const PresetRow& known : kPresets) {
+      names += (names.empty() ? "" : ", ") + std::string(known.name);
+    }
+    throw Error("preset " + Quoted(preset) + " is not known; expected one of " + names);
+  }
+  OdometryConfig config;
+  ApplyMethod(method, config);
+  row->apply(config);
+  config.frontend.Validate();
+  return config;
+}
+
+}  // namespace gluevo::vo
