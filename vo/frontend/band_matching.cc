@@ -30,9 +30,7 @@ nn::Matches MatchInBand(const nn::Features& left, const std::vector<Eigen::Vecto
   nn::Features::RowMajor similarity = left.descriptors * right.descriptors.transpose();
   for (int i = 0; i < left.size(); ++i) {
     for (int j = 0; j < right.size(); ++j) {
-      // Also false for points without a ray.
-      const bool is_candidate = epipolar.Distance(left_rays[i], right_rays[j]) <= max_error_px &&
-                                epipolar.InFront(left_rays[i], right_rays[j], max_error_px);
+      const bool is_candidate = epipolar.Allows(left_rays[i], right_rays[j], max_error_px);
       similarity(i, j) = is_candidate ? similarity(i, j) : kNone;
     }
   }

@@ -52,12 +52,7 @@ void CheckCount(const internal::H5InputFile& file, const std::string& dataset, i
 
 }  // namespace
 
-FeatureWriter::FeatureWriter(const std::filesystem::path& path)
-    : file_(std::make_unique<internal::H5OutputFile>(path)) {}
-FeatureWriter::~FeatureWriter() = default;
-FeatureWriter::FeatureWriter(FeatureWriter&&) noexcept = default;
-FeatureWriter& FeatureWriter::operator=(FeatureWriter&&) noexcept = default;
-
+FeatureWriter::FeatureWriter(const std::filesystem::path& path) : file_(internal::CreateH5(path)) {}
 void FeatureWriter::Add(const std::string& image, const nn::Features& features) {
   CheckName(image);
   if (features.scores.size() != features.keypoints.rows() ||
@@ -82,12 +77,7 @@ void FeatureWriter::Add(const std::string& image, const nn::Features& features) 
 void FeatureWriter::Finish() { file_->Finish(); }
 
 FeatureReader::FeatureReader(const std::filesystem::path& path)
-    : file_(std::make_unique<internal::H5InputFile>(path)),
-      images_(file_->GroupsWith("keypoints")) {}
-FeatureReader::~FeatureReader() = default;
-FeatureReader::FeatureReader(FeatureReader&&) noexcept = default;
-FeatureReader& FeatureReader::operator=(FeatureReader&&) noexcept = default;
-
+    : file_(internal::OpenH5(path)), images_(file_->GroupsWith("keypoints")) {}
 bool FeatureReader::Has(const std::string& image) const {
   return std::binary_search(images_.begin(), images_.end(), image);
 }
@@ -136,12 +126,7 @@ nn::Features FeatureReader::Read(const std::string& image) const {
   return features;
 }
 
-MatchWriter::MatchWriter(const std::filesystem::path& path)
-    : file_(std::make_unique<internal::H5OutputFile>(path)) {}
-MatchWriter::~MatchWriter() = default;
-MatchWriter::MatchWriter(MatchWriter&&) noexcept = default;
-MatchWriter& MatchWriter::operator=(MatchWriter&&) noexcept = default;
-
+MatchWriter::MatchWriter(const std::filesystem::path& path) : file_(internal::CreateH5(path)) {}
 void MatchWriter::Add(const std::string& image0, const std::string& image1,
                       const nn::Matches& matches) {
   const std::string pair = PairName(image0, image1);
@@ -158,8 +143,7 @@ void MatchWriter::Add(const std::string& image0, const std::string& image1,
 
 void MatchWriter::Finish() { file_->Finish(); }
 
-MatchReader::MatchReader(const std::filesystem::path& path)
-    : file_(std::make_unique<internal::H5InputFile>(path)) {
+MatchReader::MatchReader(const std::filesystem::path& path) : file_(internal::OpenH5(path)) {
   for (const std::string& group : file_->GroupsWith("matches0")) {
     const std::size_t slash = group.find('/');
     if (slash == std::string::npos || group.find('/', slash + 1) != std::string::npos) {
@@ -169,10 +153,6 @@ MatchReader::MatchReader(const std::filesystem::path& path)
   }
   std::sort(pairs_.begin(), pairs_.end());
 }
-MatchReader::~MatchReader() = default;
-MatchReader::MatchReader(MatchReader&&) noexcept = default;
-MatchReader& MatchReader::operator=(MatchReader&&) noexcept = default;
-
 bool MatchReader::Has(const std::string& image0, const std::string& image1) const {
   return std::binary_search(pairs_.begin(), pairs_.end(),
                             std::make_pair(Dashed(image0), Dashed(image1)));

@@ -1,22 +1,18 @@
 #include "gluevo/vo/frontend/klt_frontend.h"
 
 #include <algorithm>
-#include <chrono>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/reference_focal.h"
+#include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/frontend/optical_flow.h"
 
 namespace gluevo::vo {
 namespace {
-
-double MsSince(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
-}
 
 bool IsInside(const cv::Point2f& pixel, const cv::Size& size, int border) {
   return pixel.x >= border && pixel.y >= border && pixel.x < size.width - border &&
@@ -38,8 +34,6 @@ Flow FollowCorners(const Pyramid& from, const Pyramid& to, const std::vector<cv:
   return flow;
 }
 
-Eigen::Vector2d ToEigen(const cv::Point2f& point) { return {point.x, point.y}; }
-
 }  // namespace
 
 void KltOptions::Validate() const {
@@ -60,32 +54,21 @@ KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
 }
 
 TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
-  for (int camera = 0; camera < 2; ++camera) {
-    const cv::Mat& image = frame.images[camera];
-    const Camera& expected = rig_.cameras[camera];
-    if (image.type() != CV_8UC1 || image.cols != expected.width || image.rows != expected.height) {
-      throw Error("image of camera " + std::to_string(camera) + " is " +
-                  std::to_string(image.cols) + "x" + std::to_string(image.rows) +
-                  "; expected 8-bit gray, " + std::to_string(expected.width) + "x" +
-                  std::to_string(expected.height));
-    }
-  }
+  CheckImages(frame, rig_);
   TrackedFrame result;
   result.timestamp_ns = frame.timestamp_ns;
-  auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   std::swap(left_, last_left_);
   RemakePyramid(frame.images[0], options_.window, options_.levels, left_);
   Follow();
-  result.stages_ms["klt_track"] = MsSince(start);
-  start = std::chrono::steady_clock::now();
+  result.stages_ms["klt_track"] = watch.Lap();
   AddCorners(frame.images[0]);
-  result.stages_ms["klt_detect"] = MsSince(start);
-  start = std::chrono::steady_clock::now();
+  result.stages_ms["klt_detect"] = watch.Lap();
   if (options_.stereo) {
     RemakePyramid(frame.images[1], options_.window, options_.levels, right_);
   }
   MatchStereo(result);
-  result.stages_ms["klt_stereo"] = MsSince(start);
+  result.stages_ms["klt_stereo"] = watch.Lap();
   return result;
 }
 
@@ -119,7 +102,7 @@ void KltFrontEnd::RejectByFundamental(const std::vector<Corner>& before) {
   }
   // Without distortion, at VINS-Fusion's virtual focal length.
   const auto undistort = [&](const cv::Point2f& pixel) {
-    const Eigen::Vector2d point = 460.0 * rig_.cameras[0].Undistort(ToEigen(pixel));
+    const Eigen::Vector2d point = kReferenceFocalPx * rig_.cameras[0].Undistort(ToEigen(pixel));
     return cv::Point2d(point.x(), point.y());
   };
   std::vector<cv::Point2d> points0, points1;
@@ -183,9 +166,8 @@ void KltFrontEnd::MatchStereo(TrackedFrame& result) const {
     observation.tracking_confidence = tracks_[i].length > 1 ? 1.0F : 0.0F;
     const Eigen::Vector2d right_pixel = ToEigen(flow.pixels[i]);
     const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(right_pixel);
-    // False, too, where a pixel is beyond the camera model and has no ray.
     if (flow.found[i] != 0 &&
-        epipolar_.Distance(observation.left, in_right) <= options_.max_epipolar_error_px) {
+        epipolar_.Allows(observation.left, in_right, options_.max_epipolar_error_px)) {
       observation.has_right = true;
       observation.right_pixel = right_pixel;
       observation.right = in_right;

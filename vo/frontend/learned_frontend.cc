@@ -1,7 +1,6 @@
 #include "gluevo/vo/frontend/learned_frontend.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <unordered_set>
 #include <utility>
@@ -9,31 +8,9 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/stopwatch.h"
+#include "keypoint_pixel.h"
 
 namespace gluevo::vo {
-namespace {
-
-cv::Point2f PixelOf(const nn::Features& features, int keypoint) {
-  return {features.keypoints(keypoint, 0), features.keypoints(keypoint, 1)};
-}
-
-Eigen::Vector2d ToEigen(const cv::Point2f& point) { return {point.x, point.y}; }
-
-void CheckSize(const cv::Mat& image, const Camera& camera, const char* side) {
-  if (image.cols != camera.width || image.rows != camera.height) {
-    throw Error(std::string("the ") + side + " image has " + std::to_string(image.cols) + " x " +
-                std::to_string(image.rows) + " pixels, its camera " + std::to_string(camera.width) +
-                " x " + std::to_string(camera.height));
-  }
-}
-
-bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
-  const cv::Point2f difference = a - b;
-  return difference.dot(difference) <= distance * distance;
-}
-
-}  // namespace
-
 void LearnedFrontEndOptions::Validate() const {
   for (const auto& [name, threshold] :
        {std::pair{"tracking", tracking_threshold}, std::pair{"stereo", stereo_threshold}}) {
@@ -73,8 +50,7 @@ LearnedFrontEnd::LearnedFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureEx
 }
 
 TrackedFrame LearnedFrontEnd::Track(const StereoFrame& frame) {
-  CheckSize(frame.images[0], rig_.cameras[0], "left");
-  CheckSize(frame.images[1], rig_.cameras[1], "right");
+  CheckImages(frame, rig_);
   Advance();
   frame_ = frame;
   MakePyramids();
@@ -103,11 +79,10 @@ std::optional<TrackedFrame> LearnedFrontEnd::Retry() {
   return Observe();
 }
 
-void LearnedFrontEnd::Accept(bool is_keyframe) { is_keyframe_ = is_keyframe; }
+void LearnedFrontEnd::Accept(const FrameOutcome& outcome) { outcome_ = outcome; }
 
 void LearnedFrontEnd::Advance() {
-  if (ways_ && ways_->empty()) {
-    // The estimator has started again and knows none of the old tracks.
+  if (outcome_.starts_segment) {
     keyframes_.clear();
   }
   previous_tracks_.clear();
@@ -119,105 +94,31 @@ void LearnedFrontEnd::Advance() {
   if (view_ != nullptr) {
     view_->tracks = std::move(tracks_);
     view_->pyramid = previous_pyramid_;
-    if (is_keyframe_ && options_.recovery_keyframes > 0) {
+    if (outcome_.is_keyframe && options_.recovery_keyframes > 0) {
       keyframes_.push_front(view_);
       keyframes_.resize(
           std::min(keyframes_.size(), static_cast<std::size_t>(options_.recovery_keyframes)));
     }
     reference_ = std::move(view_);
     frames_since_networks_ = 1;
-  } else if (is_keyframe_) {
+  } else if (outcome_.is_keyframe) {
     frames_since_networks_ = options_.network_every;
   }
   view_.reset();
   tracks_.clear();
   ways_.reset();
-  is_keyframe_ = false;
+  outcome_ = {};
   stages_ms_.clear();
-}
-
-void LearnedFrontEnd::MakePyramids() {
-  const bool follows = options_.network_every > 1;
-  if (!options_.refine && !follows) {
-    return;
-  }
-  Stopwatch watch;
-  const int window = std::max(options_.refinement.window, options_.following.window);
-  const int levels = follows ? std::max(options_.refinement.levels, options_.following.levels)
-                             : options_.refinement.levels;
-  for (int i = 0; i < 2; ++i) {
-    pyramids_[i] = MakePyramid(frame_.images[i], window, levels);
-  }
-  stages_ms_["flow"] = watch.Lap();
-}
-
-bool LearnedFrontEnd::FollowTracks() {
-  if (reference_ == nullptr || frames_since_networks_ >= options_.network_every) {
-    return false;
-  }
-  Stopwatch watch;
-  std::vector<TrackedPoint> tracks;
-  for (const auto& [id, track] : previous_tracks_) {
-    tracks.push_back(track);
-  }
-  // In an order of their own, not the map's.
-  std::sort(tracks.begin(), tracks.end(),
-            [](const TrackedPoint& a, const TrackedPoint& b) { return a.id < b.id; });
-  std::vector<cv::Point2f> pixels;
-  std::vector<cv::Point2f> guesses;
-  for (const TrackedPoint& track : tracks) {
-    pixels.push_back(track.left);
-    guesses.push_back(track.left + track.motion);
-  }
-  const Flow flow =
-      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following);
-  std::vector<TrackedPoint> followed;
-  pixels.clear();
-  guesses.clear();
-  std::vector<std::size_t> stereo;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    if (flow.found[i] == 0) {
-      continue;
-    }
-    TrackedPoint track = tracks[i];
-    ++track.length;
-    track.motion = flow.pixels[i] - track.left;
-    if (std::exchange(track.has_right, false)) {
-      stereo.push_back(followed.size());
-      pixels.push_back(flow.pixels[i]);
-      guesses.push_back(flow.pixels[i] + (track.right - track.left));
-    }
-    track.left = flow.pixels[i];
-    track.tracking_confidence = 1.0F;
-    followed.push_back(track);
-  }
-  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
-  if (static_cast<double>(followed.size()) < fewest) {
-    stages_ms_["flow"] += watch.Lap();
-    return false;
-  }
-  const Flow across =
-      FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
-  for (std::size_t i = 0; i < stereo.size(); ++i) {
-    TrackedPoint& track = followed[stereo[i]];
-    if (across.found[i] != 0 && SeeTheSame(track.left, across.pixels[i])) {
-      track.has_right = true;
-      track.right = across.pixels[i];
-    }
-  }
-  tracks_ = std::move(followed);
-  stages_ms_["flow"] += watch.Lap();
-  return true;
 }
 
 void LearnedFrontEnd::RunNetworks() {
   Stopwatch watch;
-  view_ = std::make_shared<View>();
+  view_ = std::make_shared<KeypointView>();
   view_->features = Extract(frame_.images[0], rig_.cameras[0]);
   right_features_ = Extract(frame_.images[1], rig_.cameras[1]);
   stages_ms_["superpoint"] = watch.Lap();
   stereo_ = matcher_->Match(view_->features, right_features_, options_.stereo_threshold);
-  stages_ms_["superglue_stereo"] = watch.Lap();
+  stages_ms_["match_stereo"] = watch.Lap();
   MatchFrom({reference_, matcher_.get(), options_.tracking_threshold});
   if (options_.rematch_keyframe) {
     RematchKeyframe();
@@ -248,7 +149,7 @@ void LearnedFrontEnd::FindWays() {
   if (reference_ != nullptr && fallback_ != nullptr) {
     ways_->push_back({reference_, fallback_.get(), 0.0F});
   }
-  for (const std::shared_ptr<const View>& keyframe : keyframes_) {
+  for (const std::shared_ptr<const KeypointView>& keyframe : keyframes_) {
     if (keyframe == reference_) {
       continue;
     }
@@ -269,7 +170,7 @@ void LearnedFrontEnd::MatchFrom(const Way& way) {
   if (way.from != nullptr) {
     const nn::Matches matches =
         way.matcher->Match(way.from->features, view_->features, way.threshold);
-    stages_ms_["superglue_track"] += watch.Lap();
+    stages_ms_["match_track"] += watch.Lap();
     CarryOn(*way.from, matches);
     stages_ms_["refine"] += watch.Lap();
   }
@@ -281,7 +182,7 @@ void LearnedFrontEnd::StartTracks() {
   }
 }
 
-void LearnedFrontEnd::CarryOn(const View& from, const nn::Matches& matches) {
+void LearnedFrontEnd::CarryOn(const KeypointView& from, const nn::Matches& matches) {
   std::unordered_set<int64_t> taken;
   for (const TrackedPoint& track : tracks_) {
     if (track.id >= 0) {
@@ -313,110 +214,23 @@ void LearnedFrontEnd::CarryOn(const View& from, const nn::Matches& matches) {
   }
 }
 
-void LearnedFrontEnd::RefineLeft(const View& from, const std::vector<Match>& carried) {
-  struct Batch {
-    const Pyramid* pyramid;
-    std::vector<cv::Point2f> pixels, guesses;
-    std::vector<int> keypoints;
-  };
-  // From the frame before where it has the track, else from where the networks saw it.
-  Batch batches[] = {{&previous_pyramid_, {}, {}, {}}, {&from.pyramid, {}, {}, {}}};
-  for (const Match& match : carried) {
-    const TrackedPoint& old = from.tracks[match.from];
-    const auto before = previous_tracks_.find(old.id);
-    const bool is_there = before != previous_tracks_.end();
-    Batch& batch = batches[is_there ? 0 : 1];
-    batch.pixels.push_back(is_there ? before->second.left : old.left);
-    batch.guesses.push_back(tracks_[match.to].left +
-                            (old.left - PixelOf(from.features, match.from)));
-    batch.keypoints.push_back(match.to);
-  }
-  std::vector<int> refused;
-  for (const Batch& batch : batches) {
-    const Flow flow = FollowBothWays(*batch.pyramid, pyramids_[0], batch.pixels, batch.guesses,
-                                     options_.refinement);
-    for (std::size_t i = 0; i < batch.keypoints.size(); ++i) {
-      TrackedPoint& track = tracks_[batch.keypoints[i]];
-      if (flow.found[i] != 0 &&
-          IsWithin(flow.pixels[i], batch.guesses[i], options_.max_refinement_px)) {
-        track.left = flow.pixels[i];
-      } else {
-        refused.push_back(batch.keypoints[i]);
-      }
-    }
-  }
-  if (FlowJudges(refused.size(), carried.size())) {
-    for (const int keypoint : refused) {
-      tracks_[keypoint] = {.left = tracks_[keypoint].left};
-    }
-  }
-}
-
-bool LearnedFrontEnd::FlowJudges(std::size_t refused, std::size_t matches) const {
-  return static_cast<double>(matches - refused) >=
-         options_.min_confirmed_share * static_cast<double>(matches);
-}
-
 void LearnedFrontEnd::RematchKeyframe() {
   if (keyframes_.empty() || keyframes_.front() == reference_) {
     return;
   }
   Stopwatch watch;
-  const View& keyframe = *keyframes_.front();
+  const KeypointView& keyframe = *keyframes_.front();
   const nn::Matches matches =
       matcher_->Match(keyframe.features, view_->features, options_.tracking_threshold);
-  stages_ms_["superglue_track"] += watch.Lap();
+  stages_ms_["match_track"] += watch.Lap();
   CarryOn(keyframe, matches);
-  stages_ms_["refine"] += watch.Lap();
-}
-
-void LearnedFrontEnd::AddRightViews() {
-  Stopwatch watch;
-  std::vector<cv::Point2f> pixels;
-  std::vector<cv::Point2f> guesses;
-  std::vector<int> keypoints;
-  for (int i = 0; i < view_->features.size(); ++i) {
-    const int match = stereo_.matches0[i];
-    if (match < 0 || !SeeTheSame(PixelOf(view_->features, i), PixelOf(right_features_, match))) {
-      continue;
-    }
-    TrackedPoint& track = tracks_[i];
-    track.has_right = true;
-    track.stereo_confidence = stereo_.scores0[i];
-    track.right = PixelOf(right_features_, match);
-    if (options_.refine) {
-      pixels.push_back(track.left);
-      guesses.push_back(track.right + (track.left - PixelOf(view_->features, i)));
-      keypoints.push_back(i);
-    }
-  }
-  const Flow flow =
-      FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
-  std::vector<int> refused;
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    TrackedPoint& track = tracks_[keypoints[i]];
-    if (flow.found[i] != 0 && IsWithin(flow.pixels[i], guesses[i], options_.max_refinement_px) &&
-        SeeTheSame(track.left, flow.pixels[i])) {
-      track.right = flow.pixels[i];
-    } else {
-      refused.push_back(keypoints[i]);
-    }
-  }
-  if (FlowJudges(refused.size(), keypoints.size())) {
-    for (const int keypoint : refused) {
-      tracks_[keypoint].has_right = false;
-      tracks_[keypoint].stereo_confidence = 0.0F;
-    }
-  }
   stages_ms_["refine"] += watch.Lap();
 }
 
 bool LearnedFrontEnd::SeeTheSame(const cv::Point2f& left, const cv::Point2f& right) const {
   const Eigen::Vector2d in_left = rig_.cameras[0].Undistort(ToEigen(left));
   const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(ToEigen(right));
-  // Also false where a pixel is beyond the camera model and has no ray.
-  return epipolar_.Distance(in_left, in_right) <= options_.max_epipolar_error_px &&
-         epipolar_.InFront(in_left, in_right, options_.max_epipolar_error_px);
+  return epipolar_.Allows(in_left, in_right, options_.max_epipolar_error_px);
 }
 
 TrackedFrame LearnedFrontEnd::Observe() const {

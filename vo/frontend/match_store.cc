@@ -13,7 +13,7 @@ namespace gluevo::vo {
 
 MatchStoreWriter::MatchStoreWriter(const std::filesystem::path& path, const StereoRig& rig,
                                    const RunRecord& record)
-    : file_(std::make_unique<internal::H5OutputFile>(path)) {
+    : file_(internal::CreateH5(path)) {
   file_->WriteTexts("/", {{"format", match_store::kFormat},
                           {"version", match_store::kVersion},
                           {"method", record.method}});
@@ -29,10 +29,6 @@ MatchStoreWriter::MatchStoreWriter(const std::filesystem::path& path, const Ster
   file_->Write("rig", {2, match_store::kRigColumns}, rows.data());
   file_->MakeGroup("frames", "");
 }
-
-MatchStoreWriter::~MatchStoreWriter() = default;
-MatchStoreWriter::MatchStoreWriter(MatchStoreWriter&&) noexcept = default;
-MatchStoreWriter& MatchStoreWriter::operator=(MatchStoreWriter&&) noexcept = default;
 
 void MatchStoreWriter::Add(const TrackedFrame& frame) {
   const Eigen::Vector2d none = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());

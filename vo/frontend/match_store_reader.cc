@@ -66,7 +66,7 @@ std::string DifferenceOf(const StereoRig& stored, const StereoRig& rig) {
 }  // namespace
 
 MatchStoreReader::MatchStoreReader(const std::filesystem::path& path)
-    : path_(path), file_(std::make_unique<internal::H5InputFile>(path)) {
+    : path_(path), file_(internal::OpenH5(path)) {
   const std::map<std::string, std::string> about = file_->ReadTexts("/");
   if (TextOf(about, "format") != match_store::kFormat) {
     throw Error(path.string() + ": holds no matches of a run, expected a file of --save-matches");
@@ -80,10 +80,6 @@ MatchStoreReader::MatchStoreReader(const std::filesystem::path& path)
   file_->ShapeOf("timestamps_ns", 1, kMostFrames);
   timestamps_ns_ = file_->ReadLongIntegers("timestamps_ns");
 }
-
-MatchStoreReader::~MatchStoreReader() = default;
-MatchStoreReader::MatchStoreReader(MatchStoreReader&&) noexcept = default;
-MatchStoreReader& MatchStoreReader::operator=(MatchStoreReader&&) noexcept = default;
 
 StereoRig MatchStoreReader::ReadRig() const {
   const std::vector<int64_t> shape = file_->ShapeOf("rig", 2, match_store::kRigColumns);

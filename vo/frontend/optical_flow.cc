@@ -20,7 +20,9 @@ Pyramid MakePyramid(const cv::Mat& image, int window, int levels) {
 }
 
 void RemakePyramid(const cv::Mat& image, int window, int levels, Pyramid& pyramid) {
-  cv::buildOpticalFlowPyramid(image, pyramid, {window, window}, levels);
+  constexpr bool kReuseInput = false;
+  cv::buildOpticalFlowPyramid(image, pyramid, {window, window}, levels, /*withDerivatives=*/true,
+                              cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, kReuseInput);
 }
 
 Flow FollowBothWays(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,

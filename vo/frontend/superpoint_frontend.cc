@@ -67,7 +67,7 @@ TrackedFrame SuperPointFrontEnd::Track(const StereoFrame& frame) {
       observation.stereo_confidence = matches.scores0[i];
     }
   }
-  result.stages_ms["nn_stereo"] = watch.Lap();
+  result.stages_ms["match_stereo"] = watch.Lap();
   if (options_.refine) {
     Refine(frame, result);
     result.stages_ms["refine"] = watch.Lap();
@@ -93,12 +93,12 @@ void SuperPointFrontEnd::Refine(const StereoFrame& images, TrackedFrame& frame) 
   const Flow flow = FollowBothWays(pyramid(0), pyramid(1), pixels, guesses, options_.refinement);
   for (std::size_t i = 0; i < stereo.size(); ++i) {
     Observation& observation = *stereo[i];
-    const Eigen::Vector2d found(flow.pixels[i].x, flow.pixels[i].y);
+    const Eigen::Vector2d found = ToEigen(flow.pixels[i]);
     const bool is_near = (found - observation.right_pixel).norm() <= options_.max_refinement_px;
     observation.right_pixel = found;
     observation.right = rig_.cameras[1].Undistort(found);
-    const double error_px = epipolar_.Distance(observation.left, observation.right);
-    if (flow.found[i] == 0 || !is_near || !(error_px <= options_.max_epipolar_error_px)) {
+    if (flow.found[i] == 0 || !is_near ||
+        !epipolar_.Allows(observation.left, observation.right, options_.max_epipolar_error_px)) {
       observation.has_right = false;
       observation.right_pixel.setZero();
       observation.right.setZero();

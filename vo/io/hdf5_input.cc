@@ -183,16 +183,10 @@ std::map<std::string, std::string> H5InputFile::ReadTexts(const std::string& gro
   return texts;
 }
 
-bool H5InputFile::HasGroup(const std::string& group) const {
-  const H5Session session;
-  // H5Lexists fails where a part above is missing: ask part by part.
-  for (std::size_t end = group.find('/', 1);; end = group.find('/', end + 1)) {
-    const std::string part = group.substr(0, end);
-    if (part.empty() || H5Lexists(file_.id(), part.c_str(), H5P_DEFAULT) <= 0) return false;
-    const H5Handle opened(H5Gopen2(file_.id(), part.c_str(), H5P_DEFAULT), H5Gclose);
-    if (!opened.valid()) return false;
-    if (end == std::string::npos) return true;
-  }
+H5InputPointer OpenH5(const std::filesystem::path& path) {
+  return H5InputPointer(new H5InputFile(path));
 }
+
+void H5Delete::operator()(H5InputFile* file) const { delete file; }
 
 }  // namespace gluevo::vo::internal

@@ -184,4 +184,10 @@ void H5OutputFile::Finish() {
   throw Error(path_.string() + ": cannot be written" + (code ? ": " + code.message() : reason));
 }
 
+H5OutputPointer CreateH5(const std::filesystem::path& path) {
+  return H5OutputPointer(new H5OutputFile(path));
+}
+
+void H5Delete::operator()(H5OutputFile* file) const { delete file; }
+
 }  // namespace gluevo::vo::internal

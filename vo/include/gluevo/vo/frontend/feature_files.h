@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gluevo/nn/features.h"
+#include "gluevo/vo/io/hdf5_pointer.h"
 
 namespace gluevo::vo {
 
@@ -29,19 +30,11 @@ namespace gluevo::vo {
 //
 // Objects of these classes may be used from several threads, but not one object from two at a time.
 
-namespace internal {
-class H5OutputFile;
-class H5InputFile;
-}  // namespace internal
-
 /// Writes features.h5 image by image, beside its place; Finish() puts it there. Without Finish()
 /// nothing is left. All members throw Error naming the file and the object.
 class FeatureWriter {
  public:
   explicit FeatureWriter(const std::filesystem::path& path);
-  ~FeatureWriter();
-  FeatureWriter(FeatureWriter&&) noexcept;
-  FeatureWriter& operator=(FeatureWriter&&) noexcept;
 
   /// Throws Error for a name that is empty, there already, or has empty, "." or ".." parts, and for
   /// features whose members' sizes disagree.
@@ -50,7 +43,7 @@ class FeatureWriter {
   void Finish();
 
  private:
-  std::unique_ptr<internal::H5OutputFile> file_;
+  internal::H5OutputPointer file_;
 };
 
 /// Reads features.h5, ours or hloc's.
@@ -58,9 +51,6 @@ class FeatureReader {
  public:
   /// Throws Error where the file is not there or is no HDF5 file.
   explicit FeatureReader(const std::filesystem::path& path);
-  ~FeatureReader();
-  FeatureReader(FeatureReader&&) noexcept;
-  FeatureReader& operator=(FeatureReader&&) noexcept;
 
   /// The names of all groups with a dataset "keypoints", sorted.
   const std::vector<std::string>& images() const { return images_; }
@@ -71,7 +61,7 @@ class FeatureReader {
   nn::Features Read(const std::string& image) const;
 
  private:
-  std::unique_ptr<internal::H5InputFile> file_;
+  internal::H5InputPointer file_;
   std::vector<std::string> images_;
 };
 
@@ -79,24 +69,18 @@ class FeatureReader {
 class MatchWriter {
  public:
   explicit MatchWriter(const std::filesystem::path& path);
-  ~MatchWriter();
-  MatchWriter(MatchWriter&&) noexcept;
-  MatchWriter& operator=(MatchWriter&&) noexcept;
 
   void Add(const std::string& image0, const std::string& image1, const nn::Matches& matches);
   void Finish();
 
  private:
-  std::unique_ptr<internal::H5OutputFile> file_;
+  internal::H5OutputPointer file_;
 };
 
 /// Reads matches.h5, ours or hloc's.
 class MatchReader {
  public:
   explicit MatchReader(const std::filesystem::path& path);
-  ~MatchReader();
-  MatchReader(MatchReader&&) noexcept;
-  MatchReader& operator=(MatchReader&&) noexcept;
 
   /// The stored pairs, sorted; slashes inside the names are '-'.
   const std::vector<std::pair<std::string, std::string>>& pairs() const { return pairs_; }
@@ -107,7 +91,7 @@ class MatchReader {
   nn::Matches Read(const std::string& image0, const std::string& image1) const;
 
  private:
-  std::unique_ptr<internal::H5InputFile> file_;
+  internal::H5InputPointer file_;
   std::vector<std::pair<std::string, std::string>> pairs_;
 };
 

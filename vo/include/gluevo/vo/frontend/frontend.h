@@ -4,8 +4,20 @@
 
 #include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/core/tracked_frame.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
 
 namespace gluevo::vo {
+
+/// What became of the frame that a front end gave last.
+struct FrameOutcome {
+  bool is_keyframe = false;
+  /// The pose could not be linked to those before: of what was seen before this frame nothing is
+  /// known any more.
+  bool starts_segment = false;
+};
+
+/// Throws Error naming the camera unless both images are CV_8UC1 of their cameras' sizes.
+void CheckImages(const StereoFrame& frame, const StereoRig& rig);
 
 /// Turns stereo images into tracks. The estimator knows front ends only by this interface: KLT,
 /// 2-NN, SuperGlue and a replayed file are interchangeable.
@@ -16,7 +28,8 @@ class FrontEnd {
   FrontEnd& operator=(const FrontEnd&) = delete;
   virtual ~FrontEnd() = default;
 
-  /// The next frame of the sequence. Throws Error for images of another size than the rig's.
+  /// The next frame of the sequence. Throws Error as CheckImages does; the front end is then as it
+  /// was before.
   virtual TrackedFrame Track(const StereoFrame& frame) = 0;
 
   /// The estimator found no pose with what the last call gave. A front end that knows another way
@@ -24,8 +37,8 @@ class FrontEnd {
   /// each call the next way, nothing when there is none left.
   virtual std::optional<TrackedFrame> Retry() { return std::nullopt; }
 
-  /// The estimator has done with the frame that was given last, and took it for a key frame or not.
-  virtual void Accept(bool /*is_keyframe*/) {}
+  /// The estimator has done with the frame that was given last.
+  virtual void Accept(const FrameOutcome& /*outcome*/) {}
 };
 
 }  // namespace gluevo::vo

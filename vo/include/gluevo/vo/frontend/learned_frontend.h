@@ -72,7 +72,7 @@ class LearnedFrontEnd : public FrontEnd {
   /// Runs the networks where optical flow was relied on; then the fallback from the previous frame;
   /// then matcher and fallback from each key frame, the newest first.
   std::optional<TrackedFrame> Retry() override;
-  void Accept(bool is_keyframe) override;
+  void Accept(const FrameOutcome& outcome) override;
 
  private:
   // A point of the scene as the newest frame sees it.
@@ -87,7 +87,7 @@ class LearnedFrontEnd : public FrontEnd {
     float stereo_confidence = 0.0F;
   };
   // A left image that the networks have seen.
-  struct View {
+  struct KeypointView {
     nn::Features features;
     std::vector<TrackedPoint> tracks;  // One a keypoint.
     Pyramid pyramid;                   // Empty where no optical flow is used.
@@ -98,7 +98,7 @@ class LearnedFrontEnd : public FrontEnd {
   };
   // A way to match the frame that has not been tried.
   struct Way {
-    std::shared_ptr<const View> from;
+    std::shared_ptr<const KeypointView> from;
     Matcher* matcher = nullptr;
     float threshold = 0.0F;
   };
@@ -110,8 +110,8 @@ class LearnedFrontEnd : public FrontEnd {
   void FindWays();
   nn::Features Extract(const cv::Mat& image, const Camera& camera);
   void MatchFrom(const Way& way);
-  void CarryOn(const View& from, const nn::Matches& matches);
-  void RefineLeft(const View& from, const std::vector<Match>& carried);
+  void CarryOn(const KeypointView& from, const nn::Matches& matches);
+  void RefineLeft(const KeypointView& from, const std::vector<Match>& carried);
   bool FlowJudges(std::size_t refused, std::size_t matches) const;
   void RematchKeyframe();
   void StartTracks();
@@ -131,19 +131,19 @@ class LearnedFrontEnd : public FrontEnd {
   // The newest frame.
   StereoFrame frame_;
   std::array<Pyramid, 2> pyramids_;
-  std::vector<TrackedPoint> tracks_;  // Where the networks ran one a keypoint of view_.
-  std::shared_ptr<View> view_;        // Absent where only optical flow was run.
+  std::vector<TrackedPoint> tracks_;    // Where the networks ran one a keypoint of view_.
+  std::shared_ptr<KeypointView> view_;  // Absent where only optical flow was run.
   nn::Features right_features_;
   nn::Matches stereo_;  // From view_ to them.
   std::map<std::string, double> stages_ms_;
   std::optional<std::deque<Way>> ways_;  // Absent before the first Retry().
-  bool is_keyframe_ = false;
+  FrameOutcome outcome_;
 
   // The frames before.
   std::unordered_map<int64_t, TrackedPoint> previous_tracks_;
-  Pyramid previous_pyramid_;                           // Left.
-  std::shared_ptr<const View> reference_;              // The newest.
-  std::deque<std::shared_ptr<const View>> keyframes_;  // The newest first.
+  Pyramid previous_pyramid_;                                   // Left.
+  std::shared_ptr<const KeypointView> reference_;              // The newest.
+  std::deque<std::shared_ptr<const KeypointView>> keyframes_;  // The newest first.
   int frames_since_networks_ = 0;
 };
 

@@ -10,6 +10,7 @@
 
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/io/hdf5_pointer.h"
 
 namespace gluevo::vo {
 
@@ -33,11 +34,6 @@ namespace gluevo::vo {
 //
 // Coordinates are 64-bit floats: what is read is bit for bit what was written.
 
-namespace internal {
-class H5OutputFile;
-class H5InputFile;
-}  // namespace internal
-
 /// How the matches of a run were made. For people, and for a replay's records.
 struct RunRecord {
   std::string method;
@@ -51,9 +47,6 @@ class MatchStoreWriter {
  public:
   MatchStoreWriter(const std::filesystem::path& path, const StereoRig& rig,
                    const RunRecord& record);
-  ~MatchStoreWriter();
-  MatchStoreWriter(MatchStoreWriter&&) noexcept;
-  MatchStoreWriter& operator=(MatchStoreWriter&&) noexcept;
 
   /// The next frame of the run: what the pose was estimated from.
   void Add(const TrackedFrame& frame);
@@ -61,7 +54,7 @@ class MatchStoreWriter {
   void Finish();
 
  private:
-  std::unique_ptr<internal::H5OutputFile> file_;
+  internal::H5OutputPointer file_;
   std::vector<int64_t> timestamps_ns_;
   std::unordered_map<int64_t, Eigen::Vector2d> previous_left_;  // pixels, by track
 };
@@ -71,9 +64,6 @@ class MatchStoreReader {
  public:
   /// Throws Error where the file is not there, is no HDF5 file, or holds something else.
   explicit MatchStoreReader(const std::filesystem::path& path);
-  ~MatchStoreReader();
-  MatchStoreReader(MatchStoreReader&&) noexcept;
-  MatchStoreReader& operator=(MatchStoreReader&&) noexcept;
 
   const std::filesystem::path& path() const { return path_; }
   const RunRecord& record() const { return record_; }
@@ -88,7 +78,7 @@ class MatchStoreReader {
   StereoRig ReadRig() const;
 
   std::filesystem::path path_;
-  std::unique_ptr<internal::H5InputFile> file_;
+  internal::H5InputPointer file_;
   RunRecord record_;
   StereoRig rig_;
   std::vector<int64_t> timestamps_ns_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
@@ -22,11 +23,13 @@ struct FlowOptions {
 
 /// An image in several sizes, with its derivatives, as following points in it wants it.
 using Pyramid = std::vector<cv::Mat>;
-/// `image`: CV_8UC1.
+/// `image`: CV_8UC1. Nothing of it is kept: its memory may be used again.
 Pyramid MakePyramid(const cv::Mat& image, int window, int levels);
 /// The same in the memory of an old pyramid that nobody shares: new memory for every image costs a
 /// tenth of the klt front end's time.
 void RemakePyramid(const cv::Mat& image, int window, int levels, Pyramid& pyramid);
+
+inline Eigen::Vector2d ToEigen(const cv::Point2f& point) { return {point.x, point.y}; }
 
 /// Where points of one image are in another, pixels, and which of them were found (else 0).
 struct Flow {

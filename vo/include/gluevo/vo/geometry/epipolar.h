@@ -20,6 +20,14 @@ class EpipolarCheck {
   bool InFront(const Eigen::Vector2d& left, const Eigen::Vector2d& right,
                double tolerance_px) const;
 
+  /// The rule for all stereo matches: at most `max_error_px` from the line, and in front of both
+  /// cameras within as much. False, too, where a pixel is beyond its camera's model and has no ray
+  /// (NaN).
+  bool Allows(const Eigen::Vector2d& left, const Eigen::Vector2d& right,
+              double max_error_px) const {
+    return Distance(left, right) <= max_error_px && InFront(left, right, max_error_px);
+  }
+
  private:
   Rigid3 right_from_left_;
   Eigen::Matrix3d essential_;  // right^T essential left = 0

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "gluevo/vo/io/hdf5_pointer.h"
+
 namespace gluevo::vo::internal {
 
 /// While it lives, HDF5 prints nothing to stderr and no other thread of ours is in HDF5 (which need
@@ -93,7 +95,6 @@ class H5InputFile {
   /// The groups that hold something called `dataset`, by their full names without a leading slash,
   /// sorted.
   std::vector<std::string> GroupsWith(const std::string& dataset) const;
-  bool HasGroup(const std::string& group) const;
   /// The extents of a dataset of rank `rank`, each at most `largest`.
   std::vector<int64_t> ShapeOf(const std::string& dataset, int rank, int64_t largest) const;
   /// All values, whatever the width of the stored floats or integers; throws for those that are not
@@ -119,5 +120,8 @@ class H5InputFile {
   std::filesystem::path path_;
   H5Handle file_;
 };
+
+H5OutputPointer CreateH5(const std::filesystem::path& path);
+H5InputPointer OpenH5(const std::filesystem::path& path);
 
 }  // namespace gluevo::vo::internal

@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <utility>
+
+#include "gluevo/vo/core/stopwatch.h"
+#include "gluevo/vo/frontend/learned_frontend.h"
+#include "keypoint_pixel.h"
+
+// What optical flow does for Method 2: keypoints below the pixel, a second opinion on matches, and
+// tracks through frames on which no network runs.
+namespace gluevo::vo {
+namespace {
+
+bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
+  const cv::Point2f difference = a - b;
+  return difference.dot(difference) <= distance * distance;
+}
+
+}  // namespace
+
+void LearnedFrontEnd::MakePyramids() {
+  const bool follows = options_.network_every > 1;
+  if (!options_.refine && !follows) {
+    return;
+  }
+  Stopwatch watch;
+  const int window = std::max(options_.refinement.window, options_.following.window);
+  const int levels = follows ? std::max(options_.refinement.levels, options_.following.levels)
+                             : options_.refinement.levels;
+  for (int i = 0; i < 2; ++i) {
+    pyramids_[i] = MakePyramid(frame_.images[i], window, levels);
+  }
+  stages_ms_["flow"] = watch.Lap();
+}
+
+bool LearnedFrontEnd::FollowTracks() {
+  if (reference_ == nullptr || frames_since_networks_ >= options_.network_every) {
+    return false;
+  }
+  Stopwatch watch;
+  std::vector<TrackedPoint> tracks;
+  for (const auto& [id, track] : previous_tracks_) {
+    tracks.push_back(track);
+  }
+  // In an order of their own, not the map's.
+  std::sort(tracks.begin(), tracks.end(),
+            [](const TrackedPoint& a, const TrackedPoint& b) { return a.id < b.id; });
+  std::vector<cv::Point2f> pixels;
+  std::vector<cv::Point2f> guesses;
+  for (const TrackedPoint& track : tracks) {
+    pixels.push_back(track.left);
+    guesses.push_back(track.left + track.motion);
+  }
+  const Flow flow =
+      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following);
+  std::vector<TrackedPoint> followed;
+  pixels.clear();
+  guesses.clear();
+  std::vector<std::size_t> stereo;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (flow.found[i] == 0) {
+      continue;
+    }
+    TrackedPoint track = tracks[i];
+    ++track.length;
+    track.motion = flow.pixels[i] - track.left;
+    if (std::exchange(track.has_right, false)) {
+      stereo.push_back(followed.size());
+      pixels.push_back(flow.pixels[i]);
+      guesses.push_back(flow.pixels[i] + (track.right - track.left));
+    }
+    track.left = flow.pixels[i];
+    track.tracking_confidence = 1.0F;
+    followed.push_back(track);
+  }
+  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
+  if (static_cast<double>(followed.size()) < fewest) {
+    stages_ms_["flow"] += watch.Lap();
+    return false;
+  }
+  const Flow across =
+      FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
+  for (std::size_t i = 0; i < stereo.size(); ++i) {
+    TrackedPoint& track = followed[stereo[i]];
+    if (across.found[i] != 0 && SeeTheSame(track.left, across.pixels[i])) {
+      track.has_right = true;
+      track.right = across.pixels[i];
+    }
+  }
+  tracks_ = std::move(followed);
+  stages_ms_["flow"] += watch.Lap();
+  return true;
+}
+
+void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Match>& carried) {
+  struct Batch {
+    const Pyramid* pyramid;
+    std::vector<cv::Point2f> pixels, guesses;
+    std::vector<int> keypoints;
+  };
+  // From the frame before where it has the track, else from where the networks saw it.
+  Batch batches[] = {{&previous_pyramid_, {}, {}, {}}, {&from.pyramid, {}, {}, {}}};
+  for (const Match& match : carried) {
+    const TrackedPoint& old = from.tracks[match.from];
+    const auto before = previous_tracks_.find(old.id);
+    const bool is_there = before != previous_tracks_.end();
+    Batch& batch = batches[is_there ? 0 : 1];
+    batch.pixels.push_back(is_there ? before->second.left : old.left);
+    batch.guesses.push_back(tracks_[match.to].left +
+                            (old.left - PixelOf(from.features, match.from)));
+    batch.keypoints.push_back(match.to);
+  }
+  std::vector<int> refused;
+  for (const Batch& batch : batches) {
+    const Flow flow = FollowBothWays(*batch.pyramid, pyramids_[0], batch.pixels, batch.guesses,
+                                     options_.refinement);
+    for (std::size_t i = 0; i < batch.keypoints.size(); ++i) {
+      TrackedPoint& track = tracks_[batch.keypoints[i]];
+      if (flow.found[i] != 0 &&
+          IsWithin(flow.pixels[i], batch.guesses[i], options_.max_refinement_px)) {
+        track.left = flow.pixels[i];
+      } else {
+        refused.push_back(batch.keypoints[i]);
+      }
+    }
+  }
+  if (FlowJudges(refused.size(), carried.size())) {
+    for (const int keypoint : refused) {
+      tracks_[keypoint] = {.left = tracks_[keypoint].left};
+    }
+  }
+}
+
+bool LearnedFrontEnd::FlowJudges(std::size_t refused, std::size_t matches) const {
+  return static_cast<double>(matches - refused) >=
+         options_.min_confirmed_share * static_cast<double>(matches);
+}
+
+void LearnedFrontEnd::AddRightViews() {
+  Stopwatch watch;
+  std::vector<cv::Point2f> pixels;
+  std::vector<cv::Point2f> guesses;
+  std::vector<int> keypoints;
+  for (int i = 0; i < view_->features.size(); ++i) {
+    const int match = stereo_.matches0[i];
+    if (match < 0 || !SeeTheSame(PixelOf(view_->features, i), PixelOf(right_features_, match))) {
+      continue;
+    }
+    TrackedPoint& track = tracks_[i];
+    track.has_right = true;
+    track.stereo_confidence = stereo_.scores0[i];
+    track.right = PixelOf(right_features_, match);
+    if (options_.refine) {
+      pixels.push_back(track.left);
+      guesses.push_back(track.right + (track.left - PixelOf(view_->features, i)));
+      keypoints.push_back(i);
+    }
+  }
+  const Flow flow =
+      FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
+  std::vector<int> refused;
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    TrackedPoint& track = tracks_[keypoints[i]];
+    if (flow.found[i] != 0 && IsWithin(flow.pixels[i], guesses[i], options_.max_refinement_px) &&
+        SeeTheSame(track.left, flow.pixels[i])) {
+      track.right = flow.pixels[i];
+    } else {
+      refused.push_back(keypoints[i]);
+    }
+  }
+  if (FlowJudges(refused.size(), keypoints.size())) {
+    for (const int keypoint : refused) {
+      tracks_[keypoint].has_right = false;
+      tracks_[keypoint].stereo_confidence = 0.0F;
+    }
+  }
+  stages_ms_["refine"] += watch.Lap();
+}
+
+}  // namespace gluevo::vo
