@@ -109,7 +109,7 @@ void Compare(const Dataset& dataset, int corners, int rounds) {
   KltOptions klt;
   klt.max_corners = corners;
   OdometryOptions odometry_options;
-  odometry_options.window.keyframe_parallax = 15.0 / 460.0;
+  odometry_options.window.keyframe_parallax_px = 15.0;
   std::vector<double> calls, frontend, estimator;
   for (int round = 0; round < rounds; ++round) {
     PlainCalls plain(klt);

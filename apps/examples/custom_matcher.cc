@@ -25,9 +25,9 @@ class NearbyMatcher final : public vo::Matcher {
     nn::Matches matches = nearest_->Match(features0, features1, threshold);
     for (std::size_t i = 0; i < matches.matches0.size(); ++i) {
       const int j = matches.matches0[i];
-      if (j >= 0 && (features0.keypoints.row(static_cast<Eigen::Index>(i)) -
-                     features1.keypoints.row(j))
-                            .norm() > kLargestMotionPx) {
+      if (j >= 0 &&
+          (features0.keypoints.row(static_cast<Eigen::Index>(i)) - features1.keypoints.row(j))
+                  .norm() > kLargestMotionPx) {
         matches.matches0[i] = -1;
         matches.scores0[i] = 0.0F;
       }

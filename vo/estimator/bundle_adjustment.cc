@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "pose_manifold.h"
 #include "pose_prior_factor.h"
@@ -83,7 +84,7 @@ ceres::Problem::Options SlidingWindow::Adjustment::ProblemOptions() {
 
 SlidingWindow::Adjustment::Adjustment(SlidingWindow& window)
     : window_(window),
-      weight_(1.0 / window.options_.noise),
+      weight_(1.0 / FromReferencePx(window.options_.noise_px)),
       right_from_left_(window.rig_.right_from_left()),
       loss_(window.options_.huber),
       state_(kPose * window.frames_.size() + 2 * 3, 0.0) {
@@ -110,7 +111,7 @@ void SlidingWindow::Adjustment::AddTurns() {
     ordering_->AddElementToGroup(Turn(camera), 1);
   }
   problem_.SetParameterBlockConstant(Turn(0));
-  const double sigma = window_.options_.right_turn_sigma;
+  const double sigma = 1e-3 * window_.options_.right_turn_sigma_mrad;
   if (sigma > 0.0) {
     const Eigen::Quaterniond turn_so_far =
         window_.rig_.body_from_cam[1].rotation.conjugate() * window_.calibrated_body_from_right_;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/geometry/projection.h"
 
 namespace gluevo::vo {
@@ -23,17 +24,17 @@ std::optional<Eigen::Vector3d> ToInverseDepth(const Eigen::Vector3d& point_in_ca
 
 void SlidingWindowOptions::Validate() const {
   CheckAtLeast(size, 3, "window.size");
-  CheckPositive(noise, "window.noise");
+  CheckPositive(noise_px, "window.noise_px");
   CheckPositive(huber, "window.huber");
   CheckAtLeast(max_iterations, 1, "window.max_iterations");
-  CheckPositive(max_mean_error, "window.max_mean_error");
-  CheckPositive(keyframe_parallax, "window.keyframe_parallax");
+  CheckPositive(max_mean_error_px, "window.max_mean_error_px");
+  CheckPositive(keyframe_parallax_px, "window.keyframe_parallax_px");
   CheckAtLeast(min_tracked, 0, "window.min_tracked");
   CheckAtLeast(min_long_tracked, 0, "window.min_long_tracked");
   CheckAtLeast(long_track, 2, "window.long_track");
   CheckPositive(max_new_share, "window.max_new_share");
-  if (!(right_turn_sigma >= 0.0) || !std::isfinite(right_turn_sigma)) {
-    throw Error("option window.right_turn_sigma is " + std::to_string(right_turn_sigma) +
+  if (!(right_turn_sigma_mrad >= 0.0) || !std::isfinite(right_turn_sigma_mrad)) {
+    throw Error("option window.right_turn_sigma_mrad is " + std::to_string(right_turn_sigma_mrad) +
                 "; expected 0 or a positive number");
   }
   triangulation.Validate();
@@ -218,7 +219,7 @@ void SlidingWindow::RemoveOutliers() {
     }
     const bool in_front = landmark.point->z() > 0.0;
     const auto error = in_front ? MeanReprojectionError(landmark) : std::nullopt;
-    if (error && *error <= options_.max_mean_error) {
+    if (error && *error <= FromReferencePx(options_.max_mean_error_px)) {
       ++it;
     } else if (landmark.views.back().frame_id == frames_.back().id) {
       // The track goes on: what the newest frame sees may be right.

@@ -2,6 +2,7 @@
 #include <iterator>
 #include <limits>
 
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 
 // The choice of key frames (Qin et al. 2018, section IV-A).
@@ -25,8 +26,9 @@ void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
   if (!newest.is_keyframe) {
     const auto last_keyframe = std::find_if(std::next(frames_.rbegin()), frames_.rend(),
                                             [](const Frame& frame) { return frame.is_keyframe; });
-    newest.is_keyframe = last_keyframe == frames_.rend() ||
-                         MeanParallax(last_keyframe->id, newest.id) >= options_.keyframe_parallax;
+    newest.is_keyframe =
+        last_keyframe == frames_.rend() || MeanParallax(last_keyframe->id, newest.id) >=
+                                               FromReferencePx(options_.keyframe_parallax_px);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "pose_manifold.h"
 #include "reprojection_factors.h"
@@ -133,10 +134,10 @@ SlidingWindow::Linearization SlidingWindow::LinearizeAt(const PosePrior& prior) 
 
 void SlidingWindow::AddToMarginalizer(const Landmark& landmark, const Linearization& at,
                                       Marginalizer& marginalizer) const {
-  const bool is_turn_known = options_.right_turn_sigma == 0.0;
+  const bool is_turn_known = options_.right_turn_sigma_mrad == 0.0;
   const Eigen::Vector3d no_turn = Eigen::Vector3d::Zero();
   const double* const point = landmark.point->data();
-  const double weight = 1.0 / options_.noise;
+  const double weight = 1.0 / FromReferencePx(options_.noise_px);
   const std::size_t anchor = FrameIndex(landmark.views.front().frame_id);
   LandmarkRows rows(landmark.views.size(), frames_.size(), options_.huber);
 

@@ -9,6 +9,7 @@
 #include <random>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/geometry/eigen_solvers.h"
 #include "gluevo/vo/geometry/manifold.h"
 #include "gluevo/vo/geometry/projection.h"
@@ -150,7 +151,7 @@ int IterationsNeeded(double inlier_share, const PnpOptions& options) {
 }  // namespace
 
 void PnpOptions::Validate() const {
-  CheckPositive(noise, "pnp.noise");
+  CheckPositive(noise_px, "pnp.noise_px");
   CheckWithin(confidence, 0.0, 1.0 - 1e-9, "pnp.confidence");
   CheckAtLeast(min_iterations, 1, "pnp.min_iterations");
   CheckAtLeast(max_iterations, min_iterations, "pnp.max_iterations");
@@ -168,7 +169,7 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
   }
   constexpr int kLocalIterations = 3;
   constexpr int kFinalIterations = 10;
-  const double weight = 1.0 / options.noise;
+  const double weight = 1.0 / FromReferencePx(options.noise_px);
 
   Hypothesis best;
   const auto consider = [&](const Rigid3& world_from_body) {

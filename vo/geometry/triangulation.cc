@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/geometry/eigen_solvers.h"
 #include "gluevo/vo/geometry/projection.h"
 
@@ -73,8 +74,8 @@ bool Refine(std::span<const PosedObservation> views, Eigen::Vector3d& point) {
 void TriangulationOptions::Validate() const {
   CheckPositive(min_depth_m, "triangulation.min_depth_m");
   CheckPositive(max_depth_m, "triangulation.max_depth_m");
-  CheckPositive(min_parallax_rad, "triangulation.min_parallax_rad");
-  CheckPositive(max_error, "triangulation.max_error");
+  CheckPositive(min_parallax_px, "triangulation.min_parallax_px");
+  CheckPositive(max_error_px, "triangulation.max_error_px");
 }
 
 std::optional<Eigen::Vector3d> Triangulate(std::span<const PosedObservation> views,
@@ -99,11 +100,12 @@ std::optional<Eigen::Vector3d> Triangulate(std::span<const PosedObservation> vie
   for (const PosedObservation& view : local) {
     const Eigen::Vector3d in_cam = view.cam_from_world * point;
     if (!(in_cam.z() >= options.min_depth_m && in_cam.z() <= options.max_depth_m) ||
-        !((in_cam.hnormalized() - view.normalized).norm() <= options.max_error)) {
+        !((in_cam.hnormalized() - view.normalized).norm() <=
+          FromReferencePx(options.max_error_px))) {
       return std::nullopt;
     }
   }
-  if (MinRayCosine(local, point) > std::cos(options.min_parallax_rad)) {
+  if (MinRayCosine(local, point) > std::cos(FromReferencePx(options.min_parallax_px))) {
     return std::nullopt;
   }
   return world_from_first * point;

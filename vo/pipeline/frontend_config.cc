@@ -10,8 +10,6 @@
 namespace gluevo::vo {
 namespace {
 
-constexpr int kSinkhornIterations = 100;  // As published.
-
 void CheckName(const std::string& value, std::initializer_list<const char*> expected,
                const std::string& option) {
   if (std::find(expected.begin(), expected.end(), value) != expected.end()) {
@@ -22,12 +20,6 @@ void CheckName(const std::string& value, std::initializer_list<const char*> expe
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
   throw Error("option " + option + " is " + Quoted(value) + "; expected one of " + names);
-}
-
-std::unique_ptr<Matcher> MakeMatcher(const Networks& networks, nn::ThreadPool& pool) {
-  return networks.superglue != nullptr
-             ? MakeSuperGlueMatcher(networks.superglue, kSinkhornIterations, pool)
-             : MakeNearestNeighborMatcher();
 }
 
 }  // namespace
@@ -59,8 +51,7 @@ std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const Stere
   }
   nn::SuperPointOptions superpoint = config.superpoint;
   superpoint.subpixel = config.refine == "subpixel";
-  std::unique_ptr<FeatureExtractor> extractor =
-      MakeSuperPointExtractor(networks.superpoint, superpoint, pool);
+  std::unique_ptr<FeatureExtractor> extractor = MakeExtractor(networks, superpoint, pool);
   if (config.method == "superpoint") {
     SuperPointFrontEndOptions options = config.stereo;
     options.klt = config.klt;

@@ -6,6 +6,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/weights.h"
+#include "gluevo/vo/frontend/network_matcher.h"
 
 namespace gluevo::vo {
 namespace {
@@ -77,6 +78,19 @@ Networks LoadNetworks(const NetworkFiles& files, bool with_superglue) {
     }
   }
   return networks;
+}
+
+std::unique_ptr<FeatureExtractor> MakeExtractor(const Networks& networks,
+                                                const nn::SuperPointOptions& options,
+                                                nn::ThreadPool& pool) {
+  return MakeSuperPointExtractor(networks.superpoint, options, pool);
+}
+
+std::unique_ptr<Matcher> MakeMatcher(const Networks& networks, nn::ThreadPool& pool) {
+  constexpr int kSinkhornIterations = 100;  // As published.
+  return networks.superglue != nullptr
+             ? MakeSuperGlueMatcher(networks.superglue, kSinkhornIterations, pool)
+             : MakeNearestNeighborMatcher();
 }
 
 }  // namespace gluevo::vo

@@ -1,11 +1,12 @@
 #include "gluevo/vo/pipeline/odometry.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
+#include <string>
 #include <utility>
 
-#include "gluevo/vo/core/options_check.h"
+#include "gluevo/nn/error.h"
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 
@@ -27,11 +28,19 @@ TrackedFrame WithoutNonFinite(TrackedFrame frame) {
 
 }  // namespace
 
-void OdometryOptions::Validate() const {
-  pnp.Validate();
-  window.Validate();
-  CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
-  CheckPositive(max_turn_deg_per_s, "max_turn_deg_per_s");
+struct Odometry::FramePose {
+  Rigid3 world_from_body;
+  int inliers = 0;
+  std::vector<std::optional<PnpVerdict>> verdicts;  // One an observation, where it was judged.
+};
+
+Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
+    : pool_(std::make_unique<nn::ThreadPool>(config.threads)),
+      rig_(rig),
+      frontend_(MakeFrontEnd(config.frontend, rig, LoadFrontEndNetworks(config.frontend), *pool_)),
+      options_(config.odometry),
+      window_(std::make_unique<SlidingWindow>(rig, options_.window)) {
+  config.Validate();
 }
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
@@ -45,7 +54,17 @@ Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
 
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
-Odometry& Odometry::operator=(Odometry&&) noexcept = default;
+Odometry& Odometry::operator=(Odometry&& other) noexcept {
+  // The old front end must go before the old pool does.
+  frontend_ = std::move(other.frontend_);
+  pool_ = std::move(other.pool_);
+  rig_ = other.rig_;
+  options_ = other.options_;
+  window_ = std::move(other.window_);
+  history_ = other.history_;
+  segment_ = other.segment_;
+  return *this;
+}
 
 std::vector<MapPoint> Odometry::MapPoints() const { return window_->MapPoints(); }
 
@@ -53,38 +72,42 @@ const StereoRig& Odometry::rig() const { return window_->rig(); }
 
 FrameResult Odometry::Process(const StereoFrame& frame) {
   CheckTime(frame.timestamp_ns);
-  Stopwatch watch;
   FrameResult result{.timestamp_ns = frame.timestamp_ns};
+  StageTimer timer(result.stages_ms);
   TrackedFrame& tracked = result.tracked_frame;
-  tracked = WithoutNonFinite(frontend_->Track(frame));
-  result.stages_ms["frontend"] = watch.Lap();
+  tracked = Track(frame);
+  timer.End("frontend");
 
   std::optional<FramePose> pose = Locate(tracked);
-  result.stages_ms["estimator"] = watch.Lap();
+  timer.End("estimator");
   while (!pose && Retry(tracked)) {
-    result.stages_ms["frontend"] += watch.Lap();
+    timer.End("frontend");
     pose = Locate(tracked);
-    result.stages_ms["estimator"] += watch.Lap();
+    timer.End("estimator");
   }
-  if (!pose || !Estimate(tracked, *pose)) {
+  const bool is_linked = pose && Estimate(tracked, *pose);
+  if (!is_linked) {
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
   }
   Describe(*pose, result);
   window_->Slide();
-  result.stages_ms["estimator"] += watch.Lap();
-
-  frontend_->Accept(result.is_keyframe);
-  last_but_one_ = std::exchange(last_, StampedPose{frame.timestamp_ns, result.world_from_body});
+  history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
+  frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
+  timer.End("estimator");
   return result;
 }
 
 void Odometry::CheckTime(int64_t timestamp_ns) const {
-  if (last_ && timestamp_ns <= last_->timestamp_ns) {
+  if (history_.last() && timestamp_ns <= history_.last()->timestamp_ns) {
     throw Error("frame at " + std::to_string(timestamp_ns) +
                 " ns does not come after the one before, at " +
-                std::to_string(last_->timestamp_ns) + " ns");
+                std::to_string(history_.last()->timestamp_ns) + " ns");
   }
+}
+
+TrackedFrame Odometry::Track(const StereoFrame& frame) {
+  return WithoutNonFinite(frontend_->Track(frame));
 }
 
 bool Odometry::Retry(TrackedFrame& tracked) {
@@ -98,12 +121,49 @@ bool Odometry::Retry(TrackedFrame& tracked) {
   return retried.has_value();
 }
 
+std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {
+  if (window_->empty()) {
+    return std::nullopt;
+  }
+  const std::vector<SlidingWindow::Correspondence> correspondences =
+      window_->Correspond(frame, FromReferencePx(options_.pnp.noise_px));
+  std::vector<PnpObservation> observations;
+  observations.reserve(correspondences.size());
+  for (const SlidingWindow::Correspondence& correspondence : correspondences) {
+    observations.push_back(correspondence.pnp);
+  }
+  const std::optional<PnpResult> pnp =
+      SolvePnp(window_->rig(), observations, history_.Guesses(), options_.pnp);
+  if (!pnp || !IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
+    return std::nullopt;
+  }
+  FramePose pose{pnp->world_from_body, pnp->inliers, {}};
+  pose.verdicts.resize(frame.observations.size());
+  for (std::size_t i = 0; i < correspondences.size(); ++i) {
+    pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
+  }
+  return pose;
+}
+
 bool Odometry::Estimate(const TrackedFrame& tracked, const FramePose& pose) {
   window_->AddFrame(tracked, pose.world_from_body, pose.verdicts);
   window_->Triangulate();
   const bool is_solved = window_->Optimize();
   window_->RemoveOutliers();
-  return is_solved && (!last_ || IsPlausible(window_->world_from_body(), tracked.timestamp_ns));
+  return is_solved && IsPlausible(window_->world_from_body(), tracked.timestamp_ns);
+}
+
+Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
+  FramePose pose;
+  pose.verdicts.resize(frame.observations.size());
+  if (history_.last()) {
+    // Where the rig was last seen is the best guess there is; the segment number says that it is
+    // one.
+    pose.world_from_body = history_.last()->world_from_body;
+    ++segment_;
+  }
+  *window_ = SlidingWindow(rig_, options_.window);
+  return pose;
 }
 
 void Odometry::Describe(const FramePose& pose, FrameResult& result) const {
@@ -123,58 +183,18 @@ void Odometry::Describe(const FramePose& pose, FrameResult& result) const {
                           result.tracked_frame.stages_ms.end());
 }
 
-std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {
-  if (window_->empty()) {
-    return std::nullopt;
-  }
-  const std::vector<SlidingWindow::Correspondence> correspondences =
-      window_->Correspond(frame, options_.pnp.noise);
-  std::vector<PnpObservation> observations;
-  observations.reserve(correspondences.size());
-  for (const SlidingWindow::Correspondence& correspondence : correspondences) {
-    observations.push_back(correspondence.pnp);
-  }
-  // Guesses only: RANSAC finds motions that are neither rest nor the last one repeated.
-  std::vector<Rigid3> guesses = {last_->world_from_body};
-  if (last_but_one_) {
-    guesses.push_back(last_->world_from_body * last_but_one_->world_from_body.Inverse() *
-                      last_->world_from_body);
-  }
-  const std::optional<PnpResult> pnp =
-      SolvePnp(window_->rig(), observations, guesses, options_.pnp);
-  if (!pnp || !IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
-    return std::nullopt;
-  }
-  FramePose pose{pnp->world_from_body, pnp->inliers, {}};
-  pose.verdicts.resize(frame.observations.size());
-  for (std::size_t i = 0; i < correspondences.size(); ++i) {
-    pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
-  }
-  return pose;
-}
-
 bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const {
-  const double seconds = static_cast<double>(timestamp_ns - last_->timestamp_ns) * 1e-9;
-  const Rigid3 motion = last_->world_from_body.Inverse() * world_from_body;
+  const std::optional<StampedPose>& last = history_.last();
+  if (!last) {
+    return IsFinite(world_from_body);
+  }
+  const double seconds = static_cast<double>(timestamp_ns - last->timestamp_ns) * 1e-9;
+  const Rigid3 motion = last->world_from_body.Inverse() * world_from_body;
   const double turn_deg =
       motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi;
   return IsFinite(world_from_body) &&
          motion.translation.norm() <= options_.max_speed_m_per_s * seconds &&
-         (turn_deg <= options_.max_turn_deg_per_s * seconds);
-}
-
-Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
-  FramePose pose;
-  pose.verdicts.resize(frame.observations.size());
-  if (last_) {
-    // Where the rig was last seen is the best guess there is; the segment number says that it is
-    // one.
-    pose.world_from_body = last_->world_from_body;
-    ++segment_;
-  }
-  last_but_one_.reset();
-  *window_ = SlidingWindow(rig_, options_.window);
-  return pose;
+         turn_deg <= options_.max_turn_deg_per_s * seconds;
 }
 
 }  // namespace gluevo::vo

@@ -57,8 +57,9 @@ std::string PresetOf(DatasetFormat format) {
 }
 
 OdometryConfig PresetConfig(const std::string& preset, const std::string& method) {
-  const auto* const row = std::find_if(std::begin(kPresets), std::end(kPresets),
-                                       [&](const PresetRow& known) { return known.name == preset; });
+  const auto* const row =
+      std::find_if(std::begin(kPresets), std::end(kPresets),
+                   [&](const PresetRow& known) { return known.name == preset; });
   if (row == std::end(kPresets)) {
     std::string names;
     for (const PresetRow& known : kPresets) {

@@ -41,7 +41,7 @@ double FinalError(const SlidingWindowOptions& window, std::uint64_t seed) {
   }
   OdometryOptions options;
   options.window = window;
-  options.window.keyframe_parallax = 1e-6;  // every frame
+  options.window.keyframe_parallax_px = 1e-3;  // every frame
   Odometry odometry(rig, std::make_unique<testing::ScriptedFrontEnd>(frames), options);
   Rigid3 newest;
   for (const TrackedFrame& frame : frames) {
@@ -63,7 +63,7 @@ double RmsFinalError(const SlidingWindowOptions& window) {
 
 TEST(Marginalization, ComesCloseToFullBundleAdjustment) {
   SlidingWindowOptions options;
-  options.right_turn_sigma = 0.0;
+  options.right_turn_sigma_mrad = 0.0;
   options.size = kFrames + 1;
   const double full = RmsFinalError(options);
   options.size = kWindow;

@@ -232,7 +232,7 @@ TEST(Pnp, RefusesDegenerateScenes) {
 
 TEST(Pnp, OptionsAreChecked) {
   EXPECT_NO_THROW(PnpOptions{}.Validate());
-  EXPECT_THROW(PnpOptions{.noise = 0.0}.Validate(), Error);
+  EXPECT_THROW(PnpOptions{.noise_px = 0.0}.Validate(), Error);
   EXPECT_THROW(PnpOptions{.confidence = 1.0}.Validate(), Error);
   EXPECT_THROW(PnpOptions{.min_inliers = 3}.Validate(), Error);
   EXPECT_THROW((PnpOptions{.min_iterations = 10, .max_iterations = 5}.Validate()), Error);

@@ -59,7 +59,7 @@ TEST(Triangulation, NoiseGivesTheLeastReprojectionError) {
       views.back().normalized += noise;
       true_cost += noise.squaredNorm();
     }
-    const auto found = Triangulate(views, {.max_error = 0.1});
+    const auto found = Triangulate(views, {.max_error_px = 46.0});
     ASSERT_TRUE(found);
     double cost = 0.0;
     for (const PosedObservation& view : views) {
@@ -99,7 +99,7 @@ TEST(Triangulation, LeavesOutWhatCannotBeTrusted) {
 
 TEST(Triangulation, OptionsAreChecked) {
   EXPECT_THROW(TriangulationOptions{.min_depth_m = 0.0}.Validate(), Error);
-  EXPECT_THROW(TriangulationOptions{.max_error = -1.0}.Validate(), Error);
+  EXPECT_THROW(TriangulationOptions{.max_error_px = -1.0}.Validate(), Error);
   EXPECT_NO_THROW(TriangulationOptions{}.Validate());
 }
 

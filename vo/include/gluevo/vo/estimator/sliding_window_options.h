@@ -7,19 +7,21 @@ namespace gluevo::vo {
 struct SlidingWindowOptions {
   /// Frames in the window, the newest included.
   int size = 11;
-  /// Standard deviation of a keypoint, normalised plane: half a pixel, as optical flow and refined
-  /// matches have it. VINS-Fusion takes 1.5 px; with that the robust loss takes errors of a pixel
-  /// for noise, and drift is larger. (PnP, which judges matches that may be worse, has its own.)
-  double noise = 0.5 / 460.0;
+  /// Standard deviation of a keypoint, pixels (of kReferenceFocalPx): half a pixel, as optical flow
+  /// and refined matches have it. VINS-Fusion takes 1.5 px; with that the robust loss takes errors
+  /// of a pixel for noise, and drift is larger. (PnP, which judges matches that may be worse, has
+  /// its own.)
+  double noise_px = 0.5;
   /// Huber threshold of the reprojection residuals, in standard deviations.
   double huber = 1.0;
   /// Limit of the solver. By count and never by time, so that results repeat.
   int max_iterations = 8;
-  /// Landmarks with a larger mean reprojection error (normalised plane, both cameras) are dropped.
-  double max_mean_error = 3.0 / 460.0;
+  /// Landmarks with a larger mean reprojection error (both cameras, pixels of kReferenceFocalPx)
+  /// are dropped.
+  double max_mean_error_px = 3.0;
   /// A frame is a key frame when its tracks have moved this much, on average, since the last key
-  /// frame (normalised plane) ...
-  double keyframe_parallax = 10.0 / 460.0;
+  /// frame (pixels of kReferenceFocalPx) ...
+  double keyframe_parallax_px = 10.0;
   /// ... or fewer tracks than this were followed ...
   int min_tracked = 20;
   /// ... or fewer than this were followed that have at least `long_track` observations ...
@@ -28,11 +30,11 @@ struct SlidingWindowOptions {
   /// ... or there are more new tracks than this times those that were followed.
   double max_new_share = 0.5;
   /// How well the calibration knows the right camera's orientation in the rig: standard deviation
-  /// on each axis, radians. Within it the orientation is refined with each bundle adjustment; 0
-  /// keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
+  /// on each axis, milliradians. Within it the orientation is refined with each bundle adjustment;
+  /// 0 keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
   /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
   /// much the same in the next, so that many frames agree on more than they know.
-  double right_turn_sigma = 5e-5;
+  double right_turn_sigma_mrad = 0.05;
   /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
   bool marginalize = true;
   TriangulationOptions triangulation;

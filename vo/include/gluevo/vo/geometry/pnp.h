@@ -30,9 +30,10 @@ struct PnpObservation {
 };
 
 struct PnpOptions {
-  /// Standard deviation of a keypoint, normalised plane. An observation is an inlier within the
-  /// 99 % quantile of the chi-square distribution that this and the point's own uncertainty imply.
-  double noise = 1.5 / 460.0;
+  /// Standard deviation of a keypoint, pixels (of kReferenceFocalPx). An observation is an inlier
+  /// within the 99 % quantile of the chi-square distribution that this and the point's own
+  /// uncertainty imply.
+  double noise_px = 1.5;
   /// Probability that a sample of inliers only was drawn before RANSAC stops.
   double confidence = 0.999;
   int min_iterations = 30;

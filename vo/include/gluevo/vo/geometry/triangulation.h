@@ -12,11 +12,12 @@ struct TriangulationOptions {
   /// Depth in every view, metres.
   double min_depth_m = 0.1;
   double max_depth_m = 1000.0;
-  /// Largest angle between two rays to the point, radians. Below it the depth is noise: at 0.12
-  /// degrees, one pixel at focal length 460, disparity and its error are equal.
-  double min_parallax_rad = 1.0 / 460.0;
-  /// Reprojection error in every view, normalised plane.
-  double max_error = 3.0 / 460.0;
+  /// The widest angle between two rays to the point must be at least this, pixels (of
+  /// kReferenceFocalPx). Below it the depth is noise: at one pixel, 0.12 degrees, disparity and its
+  /// error are equal.
+  double min_parallax_px = 1.0;
+  /// Reprojection error in every view, pixels (of kReferenceFocalPx).
+  double max_error_px = 3.0;
 
   /// Throws Error naming the option.
   void Validate() const;

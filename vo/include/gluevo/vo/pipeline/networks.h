@@ -6,6 +6,8 @@
 
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
+#include "gluevo/nn/thread_pool.h"
+#include "gluevo/vo/frontend/matcher.h"
 
 namespace gluevo::vo {
 
@@ -36,5 +38,12 @@ struct Networks {
 /// Loads the networks; one that no file is named for is the built-in one. Throws Error for weights
 /// that cannot be read, are another network's, or do not fit each other.
 Networks LoadNetworks(const NetworkFiles& files, bool with_superglue);
+
+/// The networks as the front ends know them. The pool must outlive what is returned.
+std::unique_ptr<FeatureExtractor> MakeExtractor(const Networks& networks,
+                                                const nn::SuperPointOptions& options,
+                                                nn::ThreadPool& pool);
+/// SuperGlue, or mutual nearest neighbours where it is absent.
+std::unique_ptr<Matcher> MakeMatcher(const Networks& networks, nn::ThreadPool& pool);
 
 }  // namespace gluevo::vo

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "gluevo/vo/core/trajectory.h"
+
+namespace gluevo::vo {
+
+/// The newest poses, from which the next one is guessed.
+class MotionHistory {
+ public:
+  /// `starts_segment`: what came before has nothing to do with how the rig moves since.
+  void Add(const StampedPose& pose, bool starts_segment);
+
+  /// Nothing before the first pose.
+  const std::optional<StampedPose>& last() const { return last_; }
+  /// Where the rig may be one frame later: at rest, and, where the segment has two poses, after the
+  /// last motion once more. Guesses only: RANSAC finds motions that are neither.
+  std::vector<Rigid3> Guesses() const;
+
+ private:
+  std::optional<StampedPose> last_, last_but_one_;
+};
+
+}  // namespace gluevo::vo
