@@ -65,6 +65,13 @@ TensorView<float> SuperGlue::LogAssignment(const Features& features0, const Feat
     if (features->size() == 0 || features->width < 1 || features->height < 1) {
       throw Error("an image without keypoints or without a size cannot be matched");
     }
+    if (features->scores.size() != features->size() ||
+        features->descriptors.rows() != features->size()) {
+      throw Error(std::to_string(features->size()) + " keypoints with " +
+                  std::to_string(features->scores.size()) + " scores and " +
+                  std::to_string(features->descriptors.rows()) +
+                  " descriptors cannot be matched: SuperGlue needs one of both for each");
+    }
   }
   Arena& arena = workspace.arena;
   ThreadPool& pool = workspace.pool;

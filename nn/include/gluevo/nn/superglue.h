@@ -43,7 +43,8 @@ class SuperGlue {
 
   /// The logarithm of the assignment matrix [(n0 + 1) x (n1 + 1)], dustbins last: a row sums to 1
   /// (the dustbin's to n1) where Sinkhorn has converged. Lives in the workspace until its next use.
-  /// Throws Error for descriptors of another size; needs at least one keypoint in each set.
+  /// Throws Error for descriptors of another size and for keypoints without a score or a
+  /// descriptor; needs at least one keypoint in each set.
   TensorView<float> LogAssignment(const Features& features0, const Features& features1,
                                   const SuperGlueOptions& options, Workspace& workspace) const;
 

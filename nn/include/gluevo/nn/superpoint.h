@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "gluevo/nn/features.h"
@@ -74,15 +75,20 @@ class SuperPoint {
                Features& features) const;
 
   /// Descriptors at given positions: fills `features.descriptors` for the `features.keypoints` (N x
-  /// 2, pixels) that are there; positions outside the image get the nearest cell's. The scores are
-  /// the score map's at the nearest pixel.
+  /// 2, pixels) that are there; positions outside the image get the nearest cell's. Finds no
+  /// keypoints and has no scores for these: `features.scores` becomes empty.
   void Describe(const GrayImage& image, Workspace& workspace, Features& features) const;
 
  private:
   struct Convolution;
+  struct Head;
+  struct Layers;
   struct Buffers;
+  enum class Heads { kBoth, kDescriptor };
 
-  kernels::BlockedMap Trunk(const GrayImage& image, Workspace& workspace, Buffers& buffers) const;
+  // Buffers for the trunk and for `heads`, which are those that may be run on its output.
+  kernels::BlockedMap Trunk(const GrayImage& image, Heads heads, Workspace& workspace,
+                            Buffers& buffers) const;
   kernels::BlockedMap FirstLayers(const GrayImage& image, Workspace& workspace,
                                   const Buffers& buffers) const;
   void Convolve(const Convolution& layer, const kernels::BlockedMap& in,
@@ -97,8 +103,7 @@ class SuperPoint {
                   Features& features) const;
 
   const kernels::Kernels* kernels_;
-  std::vector<Convolution> trunk_;  // 1a to 4b
-  std::vector<Convolution> heads_;  // Pa, Pb, Da, Db
+  std::unique_ptr<const Layers> layers_;
   int descriptor_size_ = 0;
 };
 
