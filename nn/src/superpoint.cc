@@ -89,6 +89,24 @@ SuperPoint::SuperPoint(const Weights& weights, Isa isa) : kernels_(&kernels::Ker
   }
 }
 
+double SuperPoint::Flops(int width, int height) const {
+  const auto at = [&](const Convolution& layer, int taps, int64_t pixels) {
+    return 2.0 * taps * static_cast<double>(layer.in_channels * layer.out_channels * pixels);
+  };
+  int64_t columns = width;
+  int64_t rows = height;
+  double flops = 0.0;
+  for (const Convolution& layer : layers_->trunk) {
+    flops += at(layer, 9, rows * columns);
+    columns = layer.pool ? columns / 2 : columns;
+    rows = layer.pool ? rows / 2 : rows;
+  }
+  for (const Head* const head : {&layers_->detector, &layers_->descriptor}) {
+    flops += at(head->hidden, 9, rows * columns) + at(head->output, 1, rows * columns);
+  }
+  return flops;
+}
+
 void SuperPoint::Project(const Convolution& layer, const float* pixels, int64_t block_stride,
                          int64_t count, float* out, int64_t out_stride) const {
   kernels_->matmul({.a0 = pixels,

@@ -66,6 +66,10 @@ class SuperPoint {
   /// D, 256 in all published forms.
   int descriptor_size() const { return descriptor_size_; }
 
+  /// Floating-point operations of both dense maps, as published: a direct convolution's two for
+  /// each multiply-add, nothing else. Extract and Describe do with fewer.
+  double Flops(int width, int height) const;
+
   /// Throws Error for an image smaller than 8 x 8 pixels.
   DenseMaps Dense(const GrayImage& image, Workspace& workspace) const;
 
