@@ -6,51 +6,21 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <chrono>
 #include <random>
 
+#include "gluevo/nn/peak_share.h"
+#include "gluevo/nn/random_weights.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
-#include "kernels/kernels.h"
-#include "nn/random_weights.h"
 
 namespace gluevo::nn {
 namespace {
-
-// Times calls with the peak measured before each of them, since shared machines change their speed
-// from second to second.
-class Meter {
- public:
-  explicit Meter(bool bf16) {
-    const kernels::Kernels& kernels = kernels::KernelsFor(ChooseIsa());
-    peak_flops_ = bf16 ? kernels.peak_flops_bf16 : kernels.peak_flops;
-  }
-
-  template <typename Call>
-  void Time(benchmark::State& state, const Call& call) {
-    const double peak = peak_flops_(0.02);
-    const auto start = std::chrono::steady_clock::now();
-    call();
-    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-    state.SetIterationTime(seconds.count());
-    possible_flops_ += peak * seconds.count();
-  }
-
-  void Report(benchmark::State& state, double flops, int threads) const {
-    state.counters["peak"] =
-        static_cast<double>(state.iterations()) * flops / (possible_flops_ * threads);
-  }
-
- private:
-  double (*peak_flops_)(double) = nullptr;
-  double possible_flops_ = 0.0;  ///< Of one thread in all the calls' time.
-};
 
 void ExtractFeatures(benchmark::State& state) {
   constexpr int kWidth = 752;
   constexpr int kHeight = 480;
   const auto threads = static_cast<int>(state.range(0));
-  const SuperPoint network(RandomSuperPoint());
+  const SuperPoint network(RandomSuperPointWeights());
   ThreadPool pool(threads);
   Workspace workspace(pool);
   std::mt19937 generator(1);
@@ -63,20 +33,18 @@ void ExtractFeatures(benchmark::State& state) {
                     features);
   };
   extract();
-  Meter meter(false);
+  PeakShare peak(Precision::kFloat, threads);
+  const double flops = network.Flops(kWidth, kHeight);
   for (auto _ : state) {
-    meter.Time(state, extract);
+    state.SetIterationTime(peak.Time(flops, extract));
   }
-  // Multiply-adds a pixel of each resolution: 1a and 1b, 2, 3, 4 and the heads.
-  const double a_pixel = 9.0 * 64 * (1 + 64) + 2 * 9.0 * 64 * 64 / 4 + 9.0 * 128 * (64 + 128) / 16 +
-                         (9.0 * 128 * (2 * 128 + 2 * 256) + 256.0 * (65 + 256)) / 64;
-  meter.Report(state, 2.0 * a_pixel * kWidth * kHeight, threads);
+  state.counters["peak"] = peak.share();
 }
 
 void MatchFeatures(benchmark::State& state, Precision precision) {
   const auto keypoints = static_cast<int>(state.range(0));
   const auto threads = static_cast<int>(state.range(1));
-  const SuperGlue network(RandomSuperGlue(), precision);
+  const SuperGlue network(RandomSuperGlueWeights(), precision);
   ThreadPool pool(threads);
   Workspace workspace(pool);
   std::mt19937 generator(1);
@@ -96,18 +64,12 @@ void MatchFeatures(benchmark::State& state, Precision precision) {
   Matches matches;
   const auto match = [&] { network.Match(features[0], features[1], {}, workspace, matches); };
   match();
-  Meter meter(precision == Precision::kBf16);
+  PeakShare peak(precision, threads);
+  const double flops = network.Flops(keypoints, keypoints);
   for (auto _ : state) {
-    meter.Time(state, match);
+    state.SetIterationTime(peak.Time(flops, match));
   }
-  // Multiply-adds of both images: encoder; a layer's projections, merge and MLP; its attention;
-  // the final projection and the scores.
-  const auto n = static_cast<double>(keypoints);
-  const double tokens = 2.0 * n;
-  const double encoder = 3.0 * 32 + 32 * 64 + 64 * 128 + 128 * 256 + 256 * 256;
-  const double layer = 4.0 * 256 * 256 + 512.0 * 512 + 512 * 256 + 2 * 256.0 * n;
-  const double macs = tokens * (encoder + 18 * layer + 256 * 256) + n * n * 256;
-  meter.Report(state, 2.0 * macs, threads);
+  state.counters["peak"] = peak.share();
 }
 
 BENCHMARK(ExtractFeatures)

@@ -5,12 +5,7 @@
 
 namespace gluevo::nn::kernels {
 
-/// A bfloat16 is the upper half of a float.
-inline float FromBf16(uint16_t bits) {
-  return std::bit_cast<float>(static_cast<uint32_t>(bits) << 16);
-}
-
-/// To the nearest, ties to even; for finite values.
+/// To the nearest, ties to even; for finite values. Bfloat16ToFloat is the way back.
 inline uint16_t ToBf16(float value) {
   const uint32_t bits = std::bit_cast<uint32_t>(value);
   return static_cast<uint16_t>((bits + 0x7FFFU + (bits >> 16 & 1U)) >> 16);

@@ -6,6 +6,7 @@
 #include <limits>
 #include <vector>
 
+#include "gluevo/nn/elements.h"
 #include "kernels/bf16.h"
 
 namespace gluevo::nn::kernels {
@@ -59,7 +60,7 @@ void ReferenceConv3x3(const Conv3x3& p) {
 // Channel `part` of an element.
 double Channel(float element, int /*part*/) { return element; }
 double Channel(Bf16Pair element, int part) {
-  return FromBf16(part == 0 ? element.low : element.high);
+  return Bfloat16ToFloat(part == 0 ? element.low : element.high);
 }
 
 void StoreChannel(float value, float* row, int64_t channel) { row[channel] = value; }

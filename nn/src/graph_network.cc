@@ -4,7 +4,7 @@
 #include <array>
 #include <type_traits>
 
-#include "step_progress.h"
+#include "graph_network_buffers.h"
 
 namespace gluevo::nn {
 namespace {
@@ -13,14 +13,6 @@ using kernels::BlocksOf;
 using kernels::ElementBlocks;
 using kernels::kBlock;
 using kernels::kChannelsPer;
-
-// Rows that pass through a layer together: the more, the less often a layer's weights are read; the
-// fewer, the closer are the rows' hidden values.
-constexpr int64_t kMostBandRows = 3 * kBlock;
-
-// Layers whose keys and values are kept: of one that the last bands are still at, of the next,
-// which others have begun, and of the one after that, which these write.
-constexpr int kKeySets = 3;
 
 // Where a product's result goes, as the left operand of another one.
 void SetOutput(float* out, int64_t block_stride, kernels::MatMul<float>& product) {
@@ -34,58 +26,6 @@ void SetOutput(kernels::Bf16Pair* out, int64_t block_stride,
 }
 
 }  // namespace
-
-// Rows [begin, begin + rows) of one image, begin a multiple of kBlock.
-template <typename Element>
-struct GraphNetwork<Element>::Band {
-  int image = 0;
-  int64_t begin = 0;
-  int64_t rows = 0;
-};
-
-template <typename Element>
-struct GraphNetwork<Element>::Image {
-  Image(int64_t count_in, int64_t size, int64_t heads_size, Arena& arena)
-      : count(count_in), rows(PaddedChannels<Element>(count_in)), stride(rows * kBlock) {
-    const int64_t floats = BlocksOf(size) * stride;
-    const int64_t elements = heads_size / kChannelsPer<Element> * rows;
-    tokens = arena.Allocate<float>({floats}).data();
-    if constexpr (std::is_same_v<Element, float>) {
-      operands = tokens;
-    } else {
-      const int64_t operand_elements = ElementBlocks<Element>(size) * stride;
-      operands = arena.Allocate<Element>({operand_elements}).data();
-      std::fill_n(operands, operand_elements, Element{});
-    }
-    projected = arena.Allocate<float>({floats}).data();
-    q = arena.Allocate<Element>({elements}).data();
-    for (std::size_t set = 0; set < k.size(); ++set) {
-      k[set] = arena.Allocate<Element>({elements}).data();
-      v[set] = arena.Allocate<Element>({elements}).data();
-      std::fill_n(v[set], elements, Element{});
-    }
-  }
-
-  int64_t count;
-  int64_t rows;    // Whole blocks of elements, for values are the elements of a right operand.
-  int64_t stride;  // Elements from a block to the next.
-  float* tokens;
-  Element* operands;  // The tokens as left operand.
-  float* projected;   // Of image 1, packed.
-  Element* q;
-  // Layers in turn.
-  std::array<Element*, kKeySets> k;
-  std::array<Element*, kKeySets> v;
-};
-
-// Of one thread, for one band.
-template <typename Element>
-struct GraphNetwork<Element>::Scratch {
-  float* scores;
-  Element* attended;  // Also keys and values on their way to their places.
-  Element* hidden;
-  std::array<float*, 2> encoder;
-};
 
 template <typename Element>
 template <typename Operand>
@@ -101,7 +41,6 @@ kernels::MatMul<Operand> GraphNetwork<Element>::Product(const Linear<Operand>& l
           .rows = count};
 }
 
-// Token = descriptor + encoder(position and score).
 template <typename Element>
 void GraphNetwork<Element>::Encode(const Features& features, const Band& band, Image& image,
                                    Scratch& scratch) const {
@@ -141,7 +80,6 @@ void GraphNetwork<Element>::Encode(const Features& features, const Band& band, I
   }
 }
 
-// Queries, keys and values of a layer.
 template <typename Element>
 void GraphNetwork<Element>::Project(const Layer& layer, const Band& band, Image& image, int key_set,
                                     Scratch& scratch) const {
@@ -213,97 +151,69 @@ void GraphNetwork<Element>::RunLayer(const Layer& layer, const Band& band, Image
 }
 
 template <typename Element>
+void GraphNetwork<Element>::ProjectLast(const Band& band, Image& image, Scratch& scratch) const {
+  kernels::MatMul<Element> product = Product(
+      weights_.final_projection, image.operands + band.begin * kBlock, image.stride, band.rows);
+  // Of image 0 to its place, of image 1 to be packed.
+  float* const rows = scratch.encoder[0];
+  product.c = band.image == 0 ? image.projected + band.begin * kBlock : rows;
+  product.c_block_stride = band.image == 0 ? image.stride : band.rows * kBlock;
+  kernels::Multiply(*kernels_, product);
+  if (band.image == 1) {
+    kernels::PackRows(rows, band.rows * kBlock, BlocksOf(weights_.size), band.rows,
+                      image.projected + band.begin * BlocksOf(weights_.size) * kBlock);
+  }
+}
+
+template <typename Element>
+void GraphNetwork<Element>::RunStep(int64_t step, int64_t index, Shared& shared,
+                                    Scratch& scratch) const {
+  const auto layers = static_cast<int64_t>(weights_.layers.size());
+  const auto is_cross = [](int64_t layer) { return layer % 2 == 1; };
+  const Band band = shared.bands[index];
+  Image& image = shared.images[band.image];
+  StepProgress& progress = shared.progress;
+  if (step == 0) {
+    Encode(*shared.features[band.image], band, image, scratch);
+  } else {
+    progress.WaitForBand(step - 1, index);
+  }
+  if (step > 0 && step <= layers) {
+    const int source = is_cross(step - 1) ? 1 - band.image : band.image;
+    progress.WaitForImage(step - 1, source);
+    RunLayer(weights_.layers[step - 1], band, image, shared.images[source],
+             static_cast<int>((step - 1) % Image::kKeySets), scratch);
+  }
+  if (step < layers) {
+    if (step >= 2) {  // Its keys and values are overwritten.
+      progress.WaitForImage(step - 2, 0);
+      progress.WaitForImage(step - 2, 1);
+    }
+    Project(weights_.layers[step], band, image, static_cast<int>(step % Image::kKeySets), scratch);
+  }
+  if (step == layers + 1) {
+    ProjectLast(band, image, scratch);
+  }
+  progress.Pass(step, band.image, index);
+}
+
+template <typename Element>
 Projected GraphNetwork<Element>::Run(const Features& features0, const Features& features1,
                                      Workspace& workspace) const {
-  Arena& arena = workspace.arena;
-  ThreadPool& pool = workspace.pool;
-  const std::array<const Features*, 2> features = {&features0, &features1};
-  std::array<Image, 2> images = {
-      Image(features0.size(), weights_.size, weights_.heads * weights_.head_size, arena),
-      Image(features1.size(), weights_.size, weights_.heads * weights_.head_size, arena)};
-
-  // Bands of about the same height that keep the register tiles full, and enough of them for all
-  // threads.
-  int64_t band_rows = kMostBandRows;
-  const auto bands_of = [&](int64_t count) { return (count + band_rows - 1) / band_rows; };
-  while (band_rows > kBlock &&
-         bands_of(images[0].count) + bands_of(images[1].count) < 4 * pool.size()) {
-    band_rows -= kBlock;
-  }
-  const int64_t bands0 = bands_of(images[0].count);
-  const int64_t bands1 = bands_of(images[1].count);
-  const auto band_of = [&](int64_t task) -> Band {
-    const int image = task < bands0 ? 0 : 1;
-    const int64_t index = task - image * bands0;
-    const int64_t count = images[image].count;
-    const int64_t parts = image == 0 ? bands0 : bands1;
-    const int64_t begin = BlocksOf(count) * index / parts * kBlock;
-    const int64_t end = BlocksOf(count) * (index + 1) / parts * kBlock;
-    return {image, begin, std::min(end, count) - begin};
-  };
-
-  const int64_t most = std::max(images[0].count, images[1].count);
-  const TensorView<float> scores =
-      arena.Allocate<float>({pool.size(), kernels::AttentionScratchFloats(most)});
-  const TensorView<Element> attended = arena.Allocate<Element>(
-      {pool.size(), weights_.heads * weights_.head_size / kChannelsPer<Element> * band_rows});
-  const TensorView<Element> hidden = arena.Allocate<Element>(
-      {pool.size(), weights_.hidden_size / kChannelsPer<Element> * band_rows});
-  const TensorView<float> encoder = arena.Allocate<float>(
-      {pool.size(), 2 * std::max<int64_t>(weights_.widest, kBlock) * band_rows});
-  // Step 0 encodes, step i + 1 is layer i, and the last one projects. First in a step is the image
-  // that attends to keys and values which are all there while the last bands of the step before are
-  // still at work: from one layer of cross-attention to the next the images take turns.
-  const auto layers = static_cast<int64_t>(weights_.layers.size());
-  const int64_t bands = bands0 + bands1;
-  StepProgress progress(arena.Allocate<int32_t>({2 * (layers + 2)}).data(),
-                        arena.Allocate<int32_t>({bands}).data(), {bands0, bands1}, layers + 2);
-  const auto is_cross = [](int64_t layer) { return layer % 2 == 1; };
-  pool.ParallelFor((layers + 2) * bands, [&](int64_t task, int worker) {
+  const int64_t steps = static_cast<int64_t>(weights_.layers.size()) + 2;
+  Shared shared(features0, features1, weights_, steps, workspace);
+  const int64_t bands = shared.bands.size();
+  workspace.pool.ParallelFor(steps * bands, [&](int64_t task, int worker) {
     const int64_t step = task / bands;
-    const bool flipped = step / 2 % 2 == 1;  // Layers of cross-attention so far.
-    const int64_t turn = task % bands;
-    const int64_t index = !flipped ? turn : turn < bands1 ? bands0 + turn : turn - bands1;
-    const Band band = band_of(index);
-    Image& image = images[band.image];
-    float* const encoder_of_worker = encoder.data() + worker * encoder.extent(1);
-    Scratch scratch = {scores.data() + worker * scores.extent(1),
-                       attended.data() + worker * attended.extent(1),
-                       hidden.data() + worker * hidden.extent(1),
-                       {encoder_of_worker, encoder_of_worker + encoder.extent(1) / 2}};
-    if (step == 0) {
-      Encode(*features[band.image], band, image, scratch);
-    } else {
-      progress.WaitForBand(step - 1, index);
-    }
-    if (step > 0 && step <= layers) {
-      const int source = is_cross(step - 1) ? 1 - band.image : band.image;
-      progress.WaitForImage(step - 1, source);
-      RunLayer(weights_.layers[step - 1], band, image, images[source],
-               static_cast<int>((step - 1) % kKeySets), scratch);
-    }
-    if (step < layers) {
-      if (step >= 2) {  // Its keys and values are overwritten.
-        progress.WaitForImage(step - 2, 0);
-        progress.WaitForImage(step - 2, 1);
-      }
-      Project(weights_.layers[step], band, image, static_cast<int>(step % kKeySets), scratch);
-    }
-    if (step == layers + 1) {
-      kernels::MatMul<Element> product = Product(
-          weights_.final_projection, image.operands + band.begin * kBlock, image.stride, band.rows);
-      // Of image 0 to its place, of image 1 to be packed.
-      float* const rows = scratch.encoder[0];
-      product.c = band.image == 0 ? image.projected + band.begin * kBlock : rows;
-      product.c_block_stride = band.image == 0 ? image.stride : band.rows * kBlock;
-      kernels::Multiply(*kernels_, product);
-      if (band.image == 1) {
-        kernels::PackRows(rows, band.rows * kBlock, BlocksOf(weights_.size), band.rows,
-                          image.projected + band.begin * BlocksOf(weights_.size) * kBlock);
-      }
-    }
-    progress.Pass(step, band.image, index);
+    // First in a step is the image that attends to keys and values which are all there while the
+    // last bands of the step before are still at work: from one layer of cross-attention to the
+    // next the images take turns.
+    const int64_t cross_layers = step / 2;  // So far.
+    const int64_t index = shared.bands.InTurn(task % bands, cross_layers % 2 == 1);
+    Scratch scratch = shared.ScratchOf(worker);
+    RunStep(step, index, shared, scratch);
   });
+  const std::array<Image, 2>& images = shared.images;
   return {images[0].projected, images[0].stride, BlocksOf(weights_.size), images[1].projected};
 }
 

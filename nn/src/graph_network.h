@@ -4,6 +4,7 @@
 
 #include "gluevo/nn/features.h"
 #include "gluevo/nn/workspace.h"
+#include "graph_network_bands.h"
 #include "graph_network_weights.h"
 #include "kernels/kernels.h"
 #include "superglue_weights.h"
@@ -42,17 +43,24 @@ class GraphNetwork {
   using Layer = typename GraphNetworkWeights<Element>::Layer;
   struct Image;
   struct Scratch;
-  struct Band;
+  struct Shared;
 
   template <typename Operand>
   kernels::MatMul<Operand> Product(const Linear<Operand>& linear, const Operand* rows,
                                    int64_t block_stride, int64_t count) const;
 
+  // One band's way through a step: step 0 encodes, step i + 1 is layer i, and the last one
+  // projects. Waits for those bands of the steps before whose results it reads.
+  void RunStep(int64_t step, int64_t index, Shared& shared, Scratch& scratch) const;
+
+  // Token = descriptor + encoder(position and score).
   void Encode(const Features& features, const Band& band, Image& image, Scratch& scratch) const;
+  // Queries, keys and values of a layer.
   void Project(const Layer& layer, const Band& band, Image& image, int key_set,
                Scratch& scratch) const;
   void RunLayer(const Layer& layer, const Band& band, Image& image, const Image& source,
                 int key_set, Scratch& scratch) const;
+  void ProjectLast(const Band& band, Image& image, Scratch& scratch) const;
 
   const kernels::Kernels* kernels_;
   GraphNetworkWeights<Element> weights_;

@@ -3,104 +3,166 @@
 #include "gluevo/nn/superpoint.h"
 
 namespace gluevo::nn {
+namespace {
 
 // Published: on the whole map, mask = (s == maxpool(s)); then twice: points within the radius of
 // the mask are suppressed (s = 0), and those equal to the max-pool of what is left join the mask. A
 // point is compared with higher ones only, and the threshold drops all below it, so it is enough to
 // visit the points above the threshold: the outcome for them is the same.
-void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& options,
-                     Workspace& workspace, std::vector<int64_t>& keypoints) {
-  const int64_t height = scores.extent(0);
-  const int64_t width = scores.extent(1);
-  const int64_t radius = options.nms_radius;
-  constexpr int kRounds = 3;
+//
+// Bands of rows collect their candidates, and of these the maxima, each in its own rows of a
+// buffer: the threads share the work, and the order is the image's.
+class NonMaximumSuppression {
+ public:
+  NonMaximumSuppression(TensorView<const float> scores, int radius, Workspace& workspace)
+      : scores_(scores),
+        height_(scores.extent(0)),
+        width_(scores.extent(1)),
+        radius_(radius),
+        bands_((height_ + kBandRows - 1) / kBandRows),
+        pool_(workspace.pool),
+        candidates_(workspace.arena, height_, width_, bands_),
+        maxima_(workspace.arena, height_, width_, bands_),
+        state_(workspace.arena.Allocate<uint8_t>({height_, width_})) {}
 
-  // Bands of rows collect their candidates, and of these the maxima, each in its own rows of a
-  // buffer: the threads share the work, and the order is the image's.
-  constexpr int64_t kBandRows = 16;
-  const int64_t bands = (height + kBandRows - 1) / kBandRows;
-  Arena& arena = workspace.arena;
-  const TensorView<int32_t> candidates = arena.Allocate<int32_t>({height, width});
-  const TensorView<int32_t> maxima = arena.Allocate<int32_t>({height, width});
-  const TensorView<int64_t> candidate_counts = arena.Allocate<int64_t>({bands});
-  const TensorView<int64_t> maximum_counts = arena.Allocate<int64_t>({bands});
-  const auto for_bands = [&](const auto& f) {
-    workspace.pool.ParallelFor(bands, [&](int64_t band, int /*worker*/) { f(band); });
-  };
-  const auto for_all = [&](TensorView<int32_t> points, TensorView<int64_t> counts, const auto& f) {
-    for (int64_t band = 0; band < bands; ++band) {
-      const int32_t* const of_band = points.data() + band * kBandRows * width;
-      std::for_each(of_band, of_band + counts[band], f);
+  void Run(float threshold) {
+    CollectCandidates(threshold);
+    constexpr int kRounds = 3;
+    for (int round = 0; round < kRounds; ++round) {
+      FindMaxima();
+      SuppressAroundMaxima();
     }
-  };
+  }
 
+  // Calls f(point) for the points that are left, in order of position.
+  template <typename F>
+  void ForEachMaximum(const F& f) const {
+    ForEach(candidates_, [&](int64_t i) {
+      if (state_[i] == kMaximum) {
+        f(i);
+      }
+    });
+  }
+
+ private:
+  static constexpr int64_t kBandRows = 16;
   enum State : uint8_t { kOpen = 0, kSuppressed = 1, kMaximum = 2 };
-  const TensorView<uint8_t> state = arena.Allocate<uint8_t>({height, width});
-  for_bands([&](int64_t band) {
-    const int64_t begin = band * kBandRows * width;
-    const int64_t end = std::min(scores.size(), begin + kBandRows * width);
-    std::fill(state.data() + begin, state.data() + end, kOpen);
-    int32_t* to = candidates.data() + begin;
-    for (int64_t i = begin; i < end; ++i) {
-      *to = static_cast<int32_t>(i);
-      to += scores[i] > options.keypoint_threshold ? 1 : 0;
+
+  struct Points {
+    Points(Arena& arena, int64_t height, int64_t width, int64_t bands)
+        : indices(arena.Allocate<int32_t>({height, width})),
+          counts(arena.Allocate<int64_t>({bands})) {}
+
+    TensorView<int32_t> indices;  // Of each band from its first pixel on.
+    TensorView<int64_t> counts;   // Of each band.
+  };
+
+  template <typename F>
+  void ForEachBand(const F& f) {
+    pool_.ParallelFor(bands_, [&](int64_t band, int /*worker*/) { f(band); });
+  }
+
+  template <typename F>
+  void ForEach(const Points& points, const F& f) const {
+    for (int64_t band = 0; band < bands_; ++band) {
+      const int32_t* const of_band = points.indices.data() + band * kBandRows * width_;
+      std::for_each(of_band, of_band + points.counts[band], f);
     }
-    candidate_counts[band] = to - (candidates.data() + begin);
-  });
-  const auto for_window = [&](int64_t i, const auto& f) {
-    const int64_t y = i / width;
-    const int64_t x = i % width;
-    for (int64_t v = std::max<int64_t>(0, y - radius); v <= std::min(height - 1, y + radius); ++v) {
-      for (int64_t u = std::max<int64_t>(0, x - radius); u <= std::min(width - 1, x + radius);
-           ++u) {
-        if (!f(v * width + u)) {
+  }
+
+  // Calls f for the points within the radius until one returns false.
+  template <typename F>
+  void ForWindow(int64_t i, const F& f) const {
+    const int64_t y = i / width_;
+    const int64_t x = i % width_;
+    const int64_t bottom = std::min(height_ - 1, y + radius_);
+    const int64_t right = std::min(width_ - 1, x + radius_);
+    for (int64_t v = std::max<int64_t>(0, y - radius_); v <= bottom; ++v) {
+      for (int64_t u = std::max<int64_t>(0, x - radius_); u <= right; ++u) {
+        if (!f(v * width_ + u)) {
           return;
         }
       }
     }
-  };
-  for (int round = 0; round < kRounds; ++round) {
-    for_bands([&](int64_t band) {
-      const int64_t begin = band * kBandRows * width;
+  }
+
+  void CollectCandidates(float threshold) {
+    ForEachBand([&](int64_t band) {
+      const int64_t begin = band * kBandRows * width_;
+      const int64_t end = std::min(scores_.size(), begin + kBandRows * width_);
+      std::fill(state_.data() + begin, state_.data() + end, kOpen);
+      int32_t* const first = candidates_.indices.data() + begin;
+      int32_t* to = first;
+      for (int64_t i = begin; i < end; ++i) {
+        *to = static_cast<int32_t>(i);
+        to += scores_[i] > threshold ? 1 : 0;
+      }
+      candidates_.counts[band] = to - first;
+    });
+  }
+
+  void FindMaxima() {
+    ForEachBand([&](int64_t band) {
+      const int64_t begin = band * kBandRows * width_;
       int64_t count = 0;
-      for (int64_t k = begin; k < begin + candidate_counts[band]; ++k) {
-        const int32_t i = candidates[k];
-        bool largest = state[i] == kOpen;
+      for (int64_t k = begin; k < begin + candidates_.counts[band]; ++k) {
+        const int32_t i = candidates_.indices[k];
+        bool largest = state_[i] == kOpen;
         if (largest) {
-          for_window(i, [&](int64_t j) {
-            largest = scores[j] <= scores[i] || state[j] != kOpen;
+          ForWindow(i, [&](int64_t j) {
+            largest = scores_[j] <= scores_[i] || state_[j] != kOpen;
             return largest;
           });
         }
         if (largest) {
-          maxima[begin + count++] = i;
+          maxima_.indices[begin + count++] = i;
         }
       }
-      maximum_counts[band] = count;
+      maxima_.counts[band] = count;
     });
-    for_all(maxima, maximum_counts, [&](int64_t i) {
-      for_window(i, [&](int64_t j) {
-        if (state[j] == kOpen) {
-          state[j] = kSuppressed;
+  }
+
+  void SuppressAroundMaxima() {
+    ForEach(maxima_, [&](int64_t i) {
+      ForWindow(i, [&](int64_t j) {
+        if (state_[j] == kOpen) {
+          state_[j] = kSuppressed;
         }
         return true;
       });
     });
     // After the painting: equal neighbours are maxima both.
-    for_all(maxima, maximum_counts, [&](int64_t i) { state[i] = kMaximum; });
+    ForEach(maxima_, [&](int64_t i) { state_[i] = kMaximum; });
   }
 
-  const auto dropped = [&](int64_t i) {
-    const int64_t y = i / width;
-    const int64_t x = i % width;
-    return state[i] != kMaximum || y < options.border || x < options.border ||
-           y >= height - options.border || x >= width - options.border;
-  };
+  TensorView<const float> scores_;
+  int64_t height_;
+  int64_t width_;
+  int64_t radius_;
+  int64_t bands_;
+  ThreadPool& pool_;
+  Points candidates_;
+  Points maxima_;
+  TensorView<uint8_t> state_;
+};
+
+}  // namespace
+
+void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& options,
+                     Workspace& workspace, std::vector<int64_t>& keypoints) {
+  NonMaximumSuppression suppression(scores, options.nms_radius, workspace);
+  suppression.Run(options.keypoint_threshold);
+
+  const int64_t height = scores.extent(0);
+  const int64_t width = scores.extent(1);
   keypoints.clear();
   // The most that any image of this size has, so that none asks for memory later.
   keypoints.reserve(static_cast<std::size_t>(scores.size()));
-  for_all(candidates, candidate_counts, [&](int64_t i) {
-    if (!dropped(i)) {
+  suppression.ForEachMaximum([&](int64_t i) {
+    const int64_t y = i / width;
+    const int64_t x = i % width;
+    if (y >= options.border && x >= options.border && y < height - options.border &&
+        x < width - options.border) {
       keypoints.push_back(i);
     }
   });

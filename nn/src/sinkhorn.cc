@@ -12,6 +12,39 @@ bool IsExtreme(const Eigen::Map<Eigen::VectorXf>& factors) {
   return !(factors.maxCoeff() < kLargestFactor && factors.minCoeff() > 1.0F / kLargestFactor);
 }
 
+// Chunks of rows sum the columns on their own, then the sums are added in order: a result that does
+// not depend on the number of threads.
+class RowChunks {
+ public:
+  explicit RowChunks(int64_t rows)
+      : rows_(rows),
+        chunk_rows_(std::max<int64_t>(16, (rows + kMostChunks - 1) / kMostChunks)),
+        count_((rows + chunk_rows_ - 1) / chunk_rows_) {}
+
+  int64_t count() const { return count_; }
+
+  // Calls f(chunk, first row, end of rows).
+  template <typename F>
+  void ForEach(ThreadPool& pool, const F& f) const {
+    pool.ParallelFor(count_, [&](int64_t chunk, int /*worker*/) {
+      f(chunk, chunk * chunk_rows_, std::min(rows_, (chunk + 1) * chunk_rows_));
+    });
+  }
+
+ private:
+  static constexpr int64_t kMostChunks = 16;
+
+  int64_t rows_;
+  int64_t chunk_rows_;
+  int64_t count_;
+};
+
+Eigen::Map<Eigen::VectorXf> ConstantVector(int64_t size, float value, Arena& arena) {
+  Eigen::Map<Eigen::VectorXf> vector(arena.Allocate<float>({size}).data(), size);
+  vector.setConstant(value);
+  return vector;
+}
+
 }  // namespace
 
 void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
@@ -22,34 +55,20 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
   const int64_t columns = n1 + 1;
   Arena& arena = workspace.arena;
 
-  // Chunks of rows sum the columns on their own, then the sums are added in order: a result that
-  // does not depend on the number of threads.
-  constexpr int64_t kMostChunks = 16;
-  const int64_t chunk_rows = std::max<int64_t>(16, (rows + kMostChunks - 1) / kMostChunks);
-  const int64_t chunks = (rows + chunk_rows - 1) / chunk_rows;
-  const TensorView<float> sums = arena.Allocate<float>({chunks, stride});
+  const RowChunks chunks(rows);
+  const TensorView<float> sums = arena.Allocate<float>({chunks.count(), stride});
   const TensorView<float> kernel = arena.Allocate<float>({rows, stride});
-  const auto vector = [&](int64_t size, float value) {
-    Eigen::Map<Eigen::VectorXf> map(arena.Allocate<float>({size}).data(), size);
-    map.setConstant(value);
-    return map;
-  };
   // Keypoints have mass 1, and a dustbin may take all of the other side.
-  Eigen::Map<Eigen::VectorXf> mu = vector(rows, 1.0F);
-  Eigen::Map<Eigen::VectorXf> nu = vector(columns, 1.0F);
+  Eigen::Map<Eigen::VectorXf> mu = ConstantVector(rows, 1.0F, arena);
+  Eigen::Map<Eigen::VectorXf> nu = ConstantVector(columns, 1.0F, arena);
   mu[n0] = static_cast<float>(n1);
   nu[n1] = static_cast<float>(n0);
-  Eigen::Map<Eigen::VectorXf> a = vector(rows, 1.0F);
-  Eigen::Map<Eigen::VectorXf> b = vector(stride, 1.0F);
-  Eigen::Map<Eigen::VectorXf> u = vector(rows, 0.0F);
-  Eigen::Map<Eigen::VectorXf> v = vector(stride, 0.0F);
+  Eigen::Map<Eigen::VectorXf> a = ConstantVector(rows, 1.0F, arena);
+  Eigen::Map<Eigen::VectorXf> b = ConstantVector(stride, 1.0F, arena);
+  Eigen::Map<Eigen::VectorXf> u = ConstantVector(rows, 0.0F, arena);
+  Eigen::Map<Eigen::VectorXf> v = ConstantVector(stride, 0.0F, arena);
   u = -scores.Matrix().leftCols(columns).rowwise().maxCoeff();
 
-  const auto for_chunks = [&](const auto& f) {
-    workspace.pool.ParallelFor(chunks, [&](int64_t chunk, int /*worker*/) {
-      f(chunk, chunk * chunk_rows, std::min(rows, (chunk + 1) * chunk_rows));
-    });
-  };
   const auto absorb = [&] {
     u.array() += a.array().log();
     v.array() += b.array().log();
@@ -57,7 +76,7 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
     b.setOnes();
   };
   const auto exponentiate = [&] {
-    for_chunks([&](int64_t /*chunk*/, int64_t begin, int64_t end) {
+    chunks.ForEach(workspace.pool, [&](int64_t /*chunk*/, int64_t begin, int64_t end) {
       kernels.sinkhorn_exponentials({.z = scores.data(),
                                      .stride = stride,
                                      .columns = columns,
@@ -75,7 +94,7 @@ void LogOptimalTransport(TensorView<float> scores, int64_t n1, int iterations,
       absorb();
       exponentiate();
     }
-    for_chunks([&](int64_t chunk, int64_t begin, int64_t end) {
+    chunks.ForEach(workspace.pool, [&](int64_t chunk, int64_t begin, int64_t end) {
       float* const column_sums = sums.data() + chunk * stride;
       std::fill_n(column_sums, stride, 0.0F);
       kernels.sinkhorn_rows({.k = kernel.data(),

@@ -9,9 +9,9 @@
 namespace gluevo::nn {
 
 /// Which bands of two images have passed which steps of a network. Threads take all bands of all
-/// steps in one order, in which whatever a band waits for comes before it, and wait for no more
-/// than they need: so at the end of a step nobody is idle, as all but one were if every step were a
-/// loop of its own.
+/// steps in one order, in which whatever a band waits for comes before it (so ThreadPool's
+/// ascending order lets it wait), and wait for no more than they need: so at the end of a step
+/// nobody is idle, as all but one were if every step were a loop of its own.
 class StepProgress {
  public:
   /// `counts` has room for 2 * steps of them, `passed` for one a band; bands are numbered through

@@ -16,6 +16,25 @@ namespace gluevo::nn {
 using kernels::BlocksOf;
 using kernels::kBlock;
 
+namespace {
+
+// Encoder, projections and MLPs; a layer's merge, which is part of its MLP here, as published.
+double KeypointFlops(const SuperGlueWeights& weights) {
+  Eigen::Index multiply_adds = weights.final_projection.weight.size();
+  for (const Affine& affine : weights.encoder) {
+    multiply_adds += affine.weight.size();
+  }
+  for (const SuperGlueWeights::Layer& layer : weights.layers) {
+    const Eigen::Index merge = weights.size * weights.size;
+    multiply_adds += layer.q.weight.size() + layer.k.weight.size() + layer.v.weight.size() + merge +
+                     layer.mlp_token.weight.size() + layer.mlp_attend.weight.size() +
+                     layer.mlp_out.weight.size();
+  }
+  return 2.0 * static_cast<double>(multiply_adds);
+}
+
+}  // namespace
+
 struct SuperGlue::Network {
   std::variant<GraphNetwork<float>, GraphNetwork<kernels::Bf16Pair>> network;
 };
@@ -35,6 +54,7 @@ SuperGlue::SuperGlue(const Weights& weights, Precision precision, Isa isa)
     : kernels_(&kernels::KernelsFor(isa)) {
   const SuperGlueWeights folded = ReadSuperGlueWeights(weights);
   size_ = folded.size;
+  keypoint_flops_ = KeypointFlops(folded);
   dustbin_score_ = folded.dustbin_score;
   if (precision == Precision::kBf16) {
     network_ =
@@ -52,6 +72,18 @@ int SuperGlue::layers() const {
   return std::visit([](const auto& network) { return network.layers(); }, network_->network);
 }
 
+double SuperGlue::Flops(int64_t keypoints0, int64_t keypoints1) const {
+  const auto n0 = static_cast<double>(keypoints0);
+  const auto n1 = static_cast<double>(keypoints1);
+  const auto size = static_cast<double>(size_);
+  const int cross_layers = layers() / 2;
+  const int self_layers = layers() - cross_layers;
+  // Queries times keys, then attention times values.
+  const double attention =
+      2.0 * size * (self_layers * (n0 * n0 + n1 * n1) + cross_layers * 2.0 * n0 * n1);
+  return keypoint_flops_ * (n0 + n1) + 2.0 * (attention + size * n0 * n1);
+}
+
 TensorView<float> SuperGlue::LogAssignment(const Features& features0, const Features& features1,
                                            const SuperGlueOptions& options,
                                            Workspace& workspace) const {
@@ -64,6 +96,13 @@ TensorView<float> SuperGlue::LogAssignment(const Features& features0, const Feat
     }
     if (features->size() == 0 || features->width < 1 || features->height < 1) {
       throw Error("an image without keypoints or without a size cannot be matched");
+    }
+    if (features->scores.size() != features->size() ||
+        features->descriptors.rows() != features->size()) {
+      throw Error(std::to_string(features->size()) + " keypoints with " +
+                  std::to_string(features->scores.size()) + " scores and " +
+                  std::to_string(features->descriptors.rows()) +
+                  " descriptors cannot be matched: SuperGlue needs one of both for each");
     }
   }
   Arena& arena = workspace.arena;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "descriptor_sampling.h"
 #include "kernels/kernels.h"
@@ -66,21 +67,44 @@ SuperPoint::SuperPoint(const Weights& weights, Isa isa) : kernels_(&kernels::Ker
                 (weights.Has("kenc.encoder.0.weight") ? " (these are a SuperGlue's)"
                                                       : " (gluevo-weights converts other forms)"));
   }
+  std::vector<Convolution> trunk;
   int64_t channels = 1;
   for (const char* const name : kTrunkNames) {
-    trunk_.emplace_back(weights, name, 3, channels, *kernels_);
-    trunk_.back().pool = PoolsAfter(trunk_.size() - 1);
-    channels = trunk_.back().out_channels;
+    trunk.emplace_back(weights, name, 3, channels, *kernels_);
+    trunk.back().pool = PoolsAfter(trunk.size() - 1);
+    channels = trunk.back().out_channels;
   }
-  for (const char* const name : {"convP", "convD"}) {
-    heads_.emplace_back(weights, name + std::string("a"), 3, channels, *kernels_);
-    heads_.emplace_back(weights, name + std::string("b"), 1, heads_.back().out_channels, *kernels_);
-  }
-  descriptor_size_ = static_cast<int>(heads_[3].out_channels);
-  if (heads_[1].out_channels != 65) {
-    throw Error(weights.source + ": convPb has " + std::to_string(heads_[1].out_channels) +
+  const auto read_head = [&](const std::string& name) -> Head {
+    Convolution hidden(weights, name + "a", 3, channels, *kernels_);
+    Convolution output(weights, name + "b", 1, hidden.out_channels, *kernels_);
+    return {std::move(hidden), std::move(output)};
+  };
+  layers_ = std::make_unique<const Layers>(
+      Layers{std::move(trunk), read_head("convP"), read_head("convD")});
+  descriptor_size_ = static_cast<int>(layers_->descriptor.output.out_channels);
+  const int64_t detector_channels = layers_->detector.output.out_channels;
+  if (detector_channels != 65) {
+    throw Error(weights.source + ": convPb has " + std::to_string(detector_channels) +
                 " outputs, expected 65 (8 x 8 pixels and none)");
   }
+}
+
+double SuperPoint::Flops(int width, int height) const {
+  const auto at = [&](const Convolution& layer, int taps, int64_t pixels) {
+    return 2.0 * taps * static_cast<double>(layer.in_channels * layer.out_channels * pixels);
+  };
+  int64_t columns = width;
+  int64_t rows = height;
+  double flops = 0.0;
+  for (const Convolution& layer : layers_->trunk) {
+    flops += at(layer, 9, rows * columns);
+    columns = layer.pool ? columns / 2 : columns;
+    rows = layer.pool ? rows / 2 : rows;
+  }
+  for (const Head* const head : {&layers_->detector, &layers_->descriptor}) {
+    flops += at(head->hidden, 9, rows * columns) + at(head->output, 1, rows * columns);
+  }
+  return flops;
 }
 
 void SuperPoint::Project(const Convolution& layer, const float* pixels, int64_t block_stride,
@@ -99,9 +123,10 @@ void SuperPoint::Project(const Convolution& layer, const float* pixels, int64_t 
 
 TensorView<float> SuperPoint::Scores(const BlockedMap& trunk, Workspace& workspace,
                                      const Buffers& buffers) const {
+  const Head& head = layers_->detector;
   const BlockedMap hidden =
-      buffers.Output(trunk, heads_[0].out_channels, trunk.height, trunk.width);
-  Convolve(heads_[0], trunk, hidden, workspace, buffers);
+      buffers.Output(trunk, head.hidden.out_channels, trunk.height, trunk.width);
+  Convolve(head.hidden, trunk, hidden, workspace, buffers);
   const int64_t stride = BlocksOf(65) * kBlock;
   const TensorView<float> logits =
       workspace.arena.Allocate<float>({workspace.pool.size(), trunk.width, stride});
@@ -109,7 +134,7 @@ TensorView<float> SuperPoint::Scores(const BlockedMap& trunk, Workspace& workspa
       workspace.arena.Allocate<float>({trunk.height * 8, trunk.width * 8});
   workspace.pool.ParallelFor(trunk.height, [&](int64_t y, int worker) {
     float* const row = logits.data() + worker * trunk.width * stride;
-    Project(heads_[1], hidden.pixel(0, y, 0), hidden.block_stride(), trunk.width, row, stride);
+    Project(head.output, hidden.pixel(0, y, 0), hidden.block_stride(), trunk.width, row, stride);
     kernels_->detector_softmax({.logits = row,
                                 .stride = stride,
                                 .cell_columns = trunk.width,
@@ -122,6 +147,7 @@ TensorView<float> SuperPoint::Scores(const BlockedMap& trunk, Workspace& workspa
 
 void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const Buffers& buffers,
                             Features& features) const {
+  const Head& head = layers_->descriptor;
   Arena& arena = workspace.arena;
   const int64_t cells = trunk.height * trunk.width;
   // Only the cells that a keypoint samples are projected, their rows put together, and only the
@@ -144,8 +170,8 @@ void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const
   }
 
   const BlockedMap hidden =
-      buffers.Output(trunk, heads_[2].out_channels, trunk.height, trunk.width);
-  if (heads_[2].kernel == kernels_->winograd3x3) {
+      buffers.Output(trunk, head.hidden.out_channels, trunk.height, trunk.width);
+  if (head.hidden.kernel == kernels_->winograd3x3) {
     const int64_t tile_columns = (trunk.width + 3) / 4;
     const int64_t all_tiles = (trunk.height + 3) / 4 * tile_columns;
     const TensorView<int32_t> tiles = arena.Allocate<int32_t>({all_tiles});
@@ -163,13 +189,13 @@ void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const
     const int64_t parts = (tile_count + kernels::kWinogradTiles - 1) / kernels::kWinogradTiles;
     workspace.pool.ParallelFor(parts, [&](int64_t part, int worker) {
       const int64_t begin = tile_count * part / parts;
-      kernels::Conv3x3 task = heads_[2].Of(trunk, hidden, buffers, worker);
+      kernels::Conv3x3 task = head.hidden.Of(trunk, hidden, buffers, worker);
       task.tiles = tiles.data() + begin;
       task.tile_count = tile_count * (part + 1) / parts - begin;
-      heads_[2].kernel(task);
+      head.hidden.kernel(task);
     });
   } else {
-    Convolve(heads_[2], trunk, hidden, workspace, buffers);
+    Convolve(head.hidden, trunk, hidden, workspace, buffers);
   }
 
   constexpr int64_t kRows = 56;
@@ -187,7 +213,7 @@ void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const
                     operands + (block * kRows + row - begin) * kBlock);
       }
     }
-    Project(heads_[3], operands, kRows * kBlock, end - begin,
+    Project(head.output, operands, kRows * kBlock, end - begin,
             projected.data() + begin * descriptor_size_, descriptor_size_);
     for (int64_t row = begin; row < end; ++row) {
       NormalizeRow(projected.data() + row * descriptor_size_, descriptor_size_);
@@ -201,16 +227,17 @@ void SuperPoint::DescribeAt(const BlockedMap& trunk, Workspace& workspace, const
 
 SuperPoint::DenseMaps SuperPoint::Dense(const GrayImage& image, Workspace& workspace) const {
   Buffers buffers;
-  const BlockedMap trunk = Trunk(image, workspace, buffers);
+  const BlockedMap trunk = Trunk(image, Heads::kBoth, workspace, buffers);
+  const Head& head = layers_->descriptor;
   DenseMaps maps;
   maps.scores = Scores(trunk, workspace, buffers);
   maps.descriptors = workspace.arena.Allocate<float>({trunk.height, trunk.width, descriptor_size_});
   const BlockedMap hidden =
-      buffers.Output(trunk, heads_[2].out_channels, trunk.height, trunk.width);
-  Convolve(heads_[2], trunk, hidden, workspace, buffers);
+      buffers.Output(trunk, head.hidden.out_channels, trunk.height, trunk.width);
+  Convolve(head.hidden, trunk, hidden, workspace, buffers);
   workspace.pool.ParallelFor(trunk.height, [&](int64_t y, int /*worker*/) {
     float* const row = maps.descriptors.data() + y * trunk.width * descriptor_size_;
-    Project(heads_[3], hidden.pixel(0, y, 0), hidden.block_stride(), trunk.width, row,
+    Project(head.output, hidden.pixel(0, y, 0), hidden.block_stride(), trunk.width, row,
             descriptor_size_);
     for (int64_t x = 0; x < trunk.width; ++x) {
       NormalizeRow(row + x * descriptor_size_, descriptor_size_);
@@ -223,7 +250,7 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
                          Workspace& workspace, Features& features) const {
   options.Validate();
   Buffers buffers;
-  const BlockedMap trunk = Trunk(image, workspace, buffers);
+  const BlockedMap trunk = Trunk(image, Heads::kBoth, workspace, buffers);
   const TensorView<float> scores = Scores(trunk, workspace, buffers);
   std::vector<int64_t>& selected = workspace.candidates;
   SelectKeypoints(scores, options, workspace, selected);
@@ -250,18 +277,10 @@ void SuperPoint::Extract(const GrayImage& image, const SuperPointOptions& option
 
 void SuperPoint::Describe(const GrayImage& image, Workspace& workspace, Features& features) const {
   Buffers buffers;
-  const BlockedMap trunk = Trunk(image, workspace, buffers);
-  const TensorView<float> scores = Scores(trunk, workspace, buffers);
-  const int64_t width = scores.extent(1);
-  const int64_t height = scores.extent(0);
+  const BlockedMap trunk = Trunk(image, Heads::kDescriptor, workspace, buffers);
   features.width = image.width;
   features.height = image.height;
-  features.scores.resize(features.keypoints.rows());
-  for (Eigen::Index i = 0; i < features.keypoints.rows(); ++i) {
-    const int64_t x = std::clamp<int64_t>(std::lround(features.keypoints(i, 0)), 0, width - 1);
-    const int64_t y = std::clamp<int64_t>(std::lround(features.keypoints(i, 1)), 0, height - 1);
-    features.scores[i] = scores[y * width + x];
-  }
+  features.scores.resize(0);
   DescribeAt(trunk, workspace, buffers, features);
   workspace.arena.Join();
 }

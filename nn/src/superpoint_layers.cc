@@ -107,8 +107,8 @@ float* GrayPlane(const GrayImage& image, Workspace& workspace) {
 // region of the second layer needs of it, and drops it.
 BlockedMap SuperPoint::FirstLayers(const GrayImage& image, Workspace& workspace,
                                    const Buffers& buffers) const {
-  const Convolution& first = trunk_[0];
-  const Convolution& second = trunk_[1];
+  const Convolution& first = layers_->trunk[0];
+  const Convolution& second = layers_->trunk[1];
   float* const gray = GrayPlane(image, workspace);
   const int64_t width = image.width;
   const int64_t height = image.height;
@@ -160,7 +160,8 @@ BlockedMap SuperPoint::FirstLayers(const GrayImage& image, Workspace& workspace,
   return map;
 }
 
-BlockedMap SuperPoint::Trunk(const GrayImage& image, Workspace& workspace, Buffers& buffers) const {
+BlockedMap SuperPoint::Trunk(const GrayImage& image, Heads heads, Workspace& workspace,
+                             Buffers& buffers) const {
   if (image.width < 8 || image.height < 8) {
     throw Error("an image of " + std::to_string(image.width) + " x " +
                 std::to_string(image.height) + " pixels: SuperPoint needs at least 8 x 8");
@@ -178,15 +179,18 @@ BlockedMap SuperPoint::Trunk(const GrayImage& image, Workspace& workspace, Buffe
         std::max(largest_map, BlockedMap::Floats(BlocksOf(layer.out_channels), height, width));
     largest_scratch = std::max(largest_scratch, kernels::WinogradScratchFloats(layer.in_channels));
   };
-  std::for_each(trunk_.begin() + 1, trunk_.end(), add_layer);
-  add_layer(heads_[0]);
-  add_layer(heads_[2]);
+  const std::vector<Convolution>& trunk = layers_->trunk;
+  std::for_each(trunk.begin() + 1, trunk.end(), add_layer);
+  add_layer(layers_->descriptor.hidden);
+  if (heads == Heads::kBoth) {
+    add_layer(layers_->detector.hidden);
+  }
   buffers.maps = arena.Allocate<float>({2, (largest_map + kBlock - 1) / kBlock * kBlock});
   buffers.scratch = arena.Allocate<float>({workspace.pool.size(), largest_scratch});
 
   BlockedMap map = FirstLayers(image, workspace, buffers);
-  for (std::size_t i = 2; i < trunk_.size(); ++i) {
-    const Convolution& layer = trunk_[i];
+  for (std::size_t i = 2; i < trunk.size(); ++i) {
+    const Convolution& layer = trunk[i];
     const BlockedMap out =
         buffers.Output(map, layer.out_channels, layer.pool ? map.height / 2 : map.height,
                        layer.pool ? map.width / 2 : map.width);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <vector>
 
 #include "gluevo/nn/superpoint.h"
 #include "kernels/kernels.h"
@@ -28,6 +29,18 @@ struct SuperPoint::Convolution {
   Tensor<float> bias;  ///< This and the next two padded to whole blocks.
   Tensor<float> scale;
   Tensor<float> shift;
+};
+
+/// A 3x3 convolution of the trunk's output and a 1x1 convolution of that.
+struct SuperPoint::Head {
+  Convolution hidden;
+  Convolution output;
+};
+
+struct SuperPoint::Layers {
+  std::vector<Convolution> trunk;  ///< 1a to 4b.
+  Head detector;                   ///< Pa and Pb.
+  Head descriptor;                 ///< Da and Db.
 };
 
 /// What the layers of one call share. The maps between 3x3 layers take turns in two buffers.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "gluevo/nn/error.h"
 
@@ -160,85 +161,72 @@ void CheckBombs(const Bytes& file, const std::vector<ZipEntry>& entries) {
   }
 }
 
-}  // namespace
+// An entry, and which bytes of the archive are its own.
+struct Placed {
+  ZipEntry entry;
+  uint64_t data_end = 0;
+  uint64_t slack = 0;         // A data descriptor of at most so many bytes may follow.
+  uint64_t next_central = 0;  // Where the central directory's next entry is.
+};
 
-std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
-  const Directory directory = FindDirectory(file);
-  const uint64_t directory_at = directory.at;
-  const uint64_t end = directory.end;
-
-  struct Placed {
-    ZipEntry entry;
-    uint64_t data_end;
-    uint64_t slack;
+// The central directory's entry at `at`, with its local header; `what` names it in messages.
+Placed ReadEntry(const Bytes& file, const Directory& directory, uint64_t at,
+                 const std::string& what) {
+  const Bytes central = file.Slice(at, kCentralSize, what);
+  if (at + kCentralSize > directory.end || central.U32(0, what) != kCentralSignature) {
+    file.Fail(at, what + " is not here");
+  }
+  const uint16_t name_size = central.U16(28, what);
+  const uint64_t next =
+      at + kCentralSize + name_size + central.U16(30, what) + central.U16(32, what);
+  if (next > directory.end) {
+    file.Fail(at, what + " reaches beyond the directory");
+  }
+  const std::string name(
+      reinterpret_cast<const char*>(file.Slice(at + kCentralSize, name_size, what).data()),
+      name_size);
+  const uint16_t flags = central.U16(8, what);
+  const uint16_t method = central.U16(10, what);
+  const uint32_t packed = central.U32(20, what);
+  const uint32_t size = central.U32(24, what);
+  const auto refuse = [&](const std::string& why) {
+    file.Fail(at, "entry " + Quoted(name) + " " + why);
   };
-  std::vector<Placed> placed;
-  std::set<std::string> names;
-  uint64_t at = directory_at;
-  for (uint64_t i = 0; i < directory.count; ++i) {
-    const std::string what = "entry " + std::to_string(i) + " of the central directory";
-    const Bytes central = file.Slice(at, kCentralSize, what);
-    if (at + kCentralSize > end || central.U32(0, what) != kCentralSignature) {
-      file.Fail(at, what + " is not here");
-    }
-    const uint16_t name_size = central.U16(28, what);
-    const uint64_t next =
-        at + kCentralSize + name_size + central.U16(30, what) + central.U16(32, what);
-    if (next > end) {
-      file.Fail(at, what + " reaches beyond the directory");
-    }
-    const std::string name(
-        reinterpret_cast<const char*>(file.Slice(at + kCentralSize, name_size, what).data()),
-        name_size);
-    const uint16_t flags = central.U16(8, what);
-    const uint16_t method = central.U16(10, what);
-    const uint32_t packed = central.U32(20, what);
-    const uint32_t size = central.U32(24, what);
-    CheckName(file, at, name);
-    if (!names.insert(name).second) {
-      file.Fail(at, "the name " + Quoted(name) + " comes twice");
-    }
-    if ((flags & kEncrypted) != 0) {
-      file.Fail(at, "entry " + Quoted(name) + " is encrypted");
-    }
-    if (method != 0 && method != Z_DEFLATED) {
-      file.Fail(at, "entry " + Quoted(name) + " is compressed by method " + std::to_string(method) +
-                        ", expected 0 (stored) or 8 (deflate)");
-    }
-    if (packed == kZip64Mark || size == kZip64Mark || central.U32(42, what) == kZip64Mark) {
-      file.Fail(at, "entry " + Quoted(name) + " is in the zip64 form, expected one below 4 GB");
-    }
-    if (method == 0 && packed != size) {
-      file.Fail(at, "entry " + Quoted(name) + " is stored but its two sizes differ: " +
-                        std::to_string(packed) + " and " + std::to_string(size));
-    }
-    ZipEntry entry{.name = name,
-                   .at = central.U32(42, what),
-                   .stored = file.Slice(0, 0, what),
-                   .deflated = method != 0,
-                   .size = size,
-                   .crc = central.U32(16, what)};
-    if (entry.at >= directory_at) {
-      file.Fail(at, "entry " + Quoted(name) + " is said to be at byte " + std::to_string(entry.at) +
-                        ", within or after the central directory");
-    }
-    // Checked for its bounds first, as the local header is compared with its size.
-    entry.stored = file.Slice(entry.at, packed, "entry " + Quoted(name));
-    const uint64_t data = CheckLocalHeader(file, entry, flags, method);
-    entry.stored = file.Slice(data, packed, "entry " + Quoted(name));
-    placed.push_back({entry, data + packed,
-                      (flags & kDescriptorFollows) != 0 ? kLongestDescriptor : uint64_t{0}});
-    at = next;
+  CheckName(file, at, name);
+  if ((flags & kEncrypted) != 0) {
+    refuse("is encrypted");
   }
-  if (at != end) {
-    file.Fail(at, std::to_string(end - at) + " bytes of the central directory belong to no entry");
+  if (method != 0 && method != Z_DEFLATED) {
+    refuse("is compressed by method " + std::to_string(method) +
+           ", expected 0 (stored) or 8 (deflate)");
   }
+  if (packed == kZip64Mark || size == kZip64Mark || central.U32(42, what) == kZip64Mark) {
+    refuse("is in the zip64 form, expected one below 4 GB");
+  }
+  if (method == 0 && packed != size) {
+    refuse("is stored but its two sizes differ: " + std::to_string(packed) + " and " +
+           std::to_string(size));
+  }
+  ZipEntry entry{.name = name,
+                 .at = central.U32(42, what),
+                 .stored = file.Slice(0, 0, what),
+                 .deflated = method != 0,
+                 .size = size,
+                 .crc = central.U32(16, what)};
+  if (entry.at >= directory.at) {
+    refuse("is said to be at byte " + std::to_string(entry.at) +
+           ", within or after the central directory");
+  }
+  // Checked for its bounds first, as the local header is compared with its size.
+  entry.stored = file.Slice(entry.at, packed, "entry " + Quoted(name));
+  const uint64_t data = CheckLocalHeader(file, entry, flags, method);
+  entry.stored = file.Slice(data, packed, "entry " + Quoted(name));
+  return {entry, data + packed,
+          (flags & kDescriptorFollows) != 0 ? kLongestDescriptor : uint64_t{0}, next};
+}
 
-  std::vector<ZipEntry> entries;
-  entries.reserve(placed.size());
-  for (const Placed& item : placed) {
-    entries.push_back(item.entry);
-  }
+// Every byte before the central directory belongs to one entry.
+void CheckCoverage(const Bytes& file, uint64_t directory_at, std::vector<Placed> placed) {
   std::sort(placed.begin(), placed.end(),
             [](const Placed& a, const Placed& b) { return a.entry.at < b.entry.at; });
   uint64_t covered = 0;
@@ -261,6 +249,31 @@ std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
     file.Fail(covered, std::to_string(directory_at - covered) +
                            " bytes before the central directory belong to no entry");
   }
+}
+
+}  // namespace
+
+std::vector<ZipEntry> ReadZipDirectory(const Bytes& file) {
+  const Directory directory = FindDirectory(file);
+  std::vector<Placed> placed;
+  std::vector<ZipEntry> entries;
+  std::set<std::string> names;
+  uint64_t at = directory.at;
+  for (uint64_t i = 0; i < directory.count; ++i) {
+    placed.push_back(
+        ReadEntry(file, directory, at, "entry " + std::to_string(i) + " of the central directory"));
+    const Placed& item = placed.back();
+    if (!names.insert(item.entry.name).second) {
+      file.Fail(at, "the name " + Quoted(item.entry.name) + " comes twice");
+    }
+    entries.push_back(item.entry);
+    at = item.next_central;
+  }
+  if (at != directory.end) {
+    file.Fail(at, std::to_string(directory.end - at) +
+                      " bytes of the central directory belong to no entry");
+  }
+  CheckCoverage(file, directory.at, std::move(placed));
   CheckBombs(file, entries);
   return entries;
 }

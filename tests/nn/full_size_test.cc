@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
+#include "gluevo/nn/random_weights.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
 #include "nn/golden.h"
-#include "nn/random_weights.h"
 
 namespace gluevo::nn {
 namespace {
@@ -39,7 +39,7 @@ TEST(FullSizeTest, SuperPointAgreesWithTheReference) {
   constexpr int kHeight = 68;
   const std::vector<uint8_t> pixels = RandomImage(kWidth, kHeight);
   const GrayImage image = {pixels.data(), kWidth, kHeight, kWidth};
-  const Weights weights = RandomSuperPoint();
+  const Weights weights = RandomSuperPointWeights();
   ThreadPool pool(2);
   Workspace reference_workspace(pool);
   const SuperPoint reference(weights, Isa::kReference);
@@ -89,7 +89,7 @@ TEST(FullSizeTest, SuperGlueAgreesWithTheReference) {
     features[1].keypoints.row(kCount - 1 - i) = features[0].keypoints.row(i);
     features[1].descriptors.row(kCount - 1 - i) = features[0].descriptors.row(i);
   }
-  const Weights weights = RandomSuperGlue();
+  const Weights weights = RandomSuperGlueWeights();
   ThreadPool pool(2);
   Workspace workspace(pool);
   const SuperGlueOptions options = {.match_threshold = 0.01F};
@@ -111,11 +111,29 @@ TEST(FullSizeTest, SuperGlueAgreesWithTheReference) {
   }
 }
 
+// By hand, from the papers' tables of layers.
+TEST(FullSizeTest, OperationsAreCountedAsPublished) {
+  // Multiply-adds a pixel of each resolution: 1a and 1b, 2, 3, 4 and the heads.
+  const double a_pixel = 9.0 * 64 * (1 + 64) + 2 * 9.0 * 64 * 64 / 4 + 9.0 * 128 * (64 + 128) / 16 +
+                         (9.0 * 128 * (2 * 128 + 2 * 256) + 256.0 * (65 + 256)) / 64;
+  EXPECT_DOUBLE_EQ(SuperPoint(RandomSuperPointWeights()).Flops(752, 480),
+                   2.0 * a_pixel * 752 * 480);
+
+  const SuperGlue network(RandomSuperGlueWeights(5));
+  ASSERT_EQ(network.layers(), 5);
+  const double encoder = 3.0 * 32 + 32 * 64 + 64 * 128 + 128 * 256 + 256 * 256;
+  const double layer = 4.0 * 256 * 256 + 512.0 * 512 + 512 * 256;
+  const double keypoint = encoder + 5 * layer + 256 * 256;
+  // Layers 0, 2 and 4 attend to their own image.
+  const double attention = 2.0 * 256 * (3 * (300.0 * 300 + 200 * 200) + 2 * 2 * 300.0 * 200);
+  EXPECT_DOUBLE_EQ(network.Flops(300, 200), 2.0 * (500 * keypoint + attention + 256 * 300.0 * 200));
+}
+
 TEST(FullSizeTest, SuperPointTakesAtMost120MegabytesBesideItsWeights) {
   constexpr int kWidth = 752;
   constexpr int kHeight = 480;
   const std::vector<uint8_t> pixels = RandomImage(kWidth, kHeight);
-  const SuperPoint network(RandomSuperPoint());
+  const SuperPoint network(RandomSuperPointWeights());
   ThreadPool pool(2);
   Workspace workspace(pool);
   Features features;

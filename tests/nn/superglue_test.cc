@@ -139,6 +139,24 @@ TEST(SuperGlueTest, RefusesDescriptorsOfAnotherNetwork) {
   }
 }
 
+// Such as SuperPoint::Describe leaves them.
+TEST(SuperGlueTest, RefusesKeypointsWithoutScores) {
+  const Features features = GoldenFeatures(ReadGolden("golden_superglue_open"), "0");
+  Features described = features;
+  described.scores.resize(0);
+  const SuperGlue network(OpenSuperGlueWeights());
+  ThreadPool pool(1);
+  Workspace workspace(pool);
+  Matches matches;
+  try {
+    network.Match(features, described, {}, workspace, matches);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("keypoints with 0 scores"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(SuperGlueTest, RefusesOtherWeightsAndShapesThatDoNotFit) {
   EXPECT_THROW(SuperGlue{OpenSuperPointWeights()}, Error);
   Weights weights = ReadGolden("superglue_tiny_weights");

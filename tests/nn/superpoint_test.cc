@@ -130,7 +130,9 @@ TEST(SuperPointTest, DescribesGivenPositionsLikeItsOwnKeypoints) {
   given.keypoints = extracted.keypoints;
   network.Describe(image.view, workspace, given);
   EXPECT_EQ(given.descriptors, extracted.descriptors);
-  EXPECT_EQ(given.scores, extracted.scores);
+  EXPECT_EQ(given.scores.size(), 0);
+  EXPECT_EQ(given.width, image.view.width);
+  EXPECT_EQ(given.height, image.view.height);
 
   given.keypoints.resize(2, 2);
   given.keypoints << -50.0F, -50.0F, 1e6F, 1e6F;  // Outside: the corners' cells.
@@ -139,6 +141,41 @@ TEST(SuperPointTest, DescribesGivenPositionsLikeItsOwnKeypoints) {
   const auto cells = maps.descriptors.Matrix();
   EXPECT_LT((given.descriptors.row(0) - cells.row(0)).norm(), 1e-6);
   EXPECT_LT((given.descriptors.row(1) - cells.row(cells.rows() - 1)).norm(), 1e-6);
+}
+
+// The detector is not run: it takes no room, however wide it is, and changes nothing.
+TEST(SuperPointTest, DescribesWithoutTheDetector) {
+  const Image image = GoldenImage(ReadGolden("golden_superpoint_120x88"));
+  const Weights weights = OpenSuperPointWeights();
+  Weights wide = weights;
+  constexpr int64_t kWide = 2048;
+  const int64_t channels = weights.Get("convPa.weight").extent(1);
+  wide.tensors["convPa.weight"] = Tensor<float>({kWide, channels, 3, 3});
+  wide.tensors["convPa.bias"] = Tensor<float>(Shape{kWide});
+  wide.tensors["convPb.weight"] = Tensor<float>({65, kWide, 1, 1});
+  wide.tensors.erase("convPa.scale");
+  wide.tensors.erase("convPa.shift");
+  ThreadPool pool(1);
+  std::vector<Features> described(2);
+  std::vector<std::size_t> bytes_to_describe;
+  std::vector<std::size_t> bytes_to_extract;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const SuperPoint network(i == 0 ? weights : wide);
+    Workspace workspace(pool);
+    described[i].keypoints.resize(2, 2);
+    described[i].keypoints << 20.0F, 31.5F, 90.0F, 70.0F;
+    network.Describe(image.view, workspace, described[i]);
+    bytes_to_describe.push_back(workspace.arena.capacity());
+    Workspace other(pool);
+    Features extracted;
+    network.Extract(image.view, {}, other, extracted);
+    bytes_to_extract.push_back(other.arena.capacity());
+  }
+  EXPECT_EQ(described[0].descriptors, described[1].descriptors);
+  EXPECT_EQ(bytes_to_describe[0], bytes_to_describe[1]);
+  EXPECT_LT(bytes_to_extract[0], bytes_to_extract[1]);
+  // Neither a score map.
+  EXPECT_LT(bytes_to_describe[0] + 120 * 88 * sizeof(float), bytes_to_extract[0]);
 }
 
 TEST(SuperPointTest, RefusesTinyImagesBadOptionsAndOtherWeights) {

@@ -90,6 +90,82 @@ TEST(ThreadPoolTest, WaitsForAWorkerThatIsLateInItsLastIndex) {
   }
 }
 
+// Until done(), or for so long that it will never be: returns done().
+template <typename Done>
+bool WaitUntil(const Done& done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!done()) {
+    if (std::chrono::steady_clock::now() > end) {
+      return false;
+    }
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+TEST(ThreadPoolTest, HandsIndicesOutInAscendingOrder) {
+  for (const int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    for (const bool asleep : {false, true}) {
+      if (asleep) {
+        std::this_thread::sleep_for(kLongerThanSpinning);
+      }
+      // No thread gets a second index before each has one: these are the lowest ones.
+      std::atomic<int> begun = 0;
+      std::atomic<int64_t> highest_of_first = -1;
+      std::vector<std::vector<int64_t>> indices_of(static_cast<std::size_t>(threads));
+      pool.ParallelFor(50, [&](int64_t i, int worker) {
+        indices_of[static_cast<std::size_t>(worker)].push_back(i);
+        if (begun < threads) {
+          int64_t highest = highest_of_first;
+          while (i > highest && !highest_of_first.compare_exchange_weak(highest, i)) {
+          }
+        }
+        ++begun;
+        EXPECT_TRUE(WaitUntil([&] { return begun >= threads; }));
+      });
+      EXPECT_EQ(highest_of_first, threads - 1) << threads;
+      for (const std::vector<int64_t>& indices : indices_of) {
+        EXPECT_TRUE(std::is_sorted(indices.begin(), indices.end())) << threads;
+      }
+    }
+  }
+}
+
+// In the worst case each waits for all before it. Handed out otherwise, some index would wait for
+// one that its own thread has yet to run.
+TEST(ThreadPoolTest, BodiesMayWaitForLowerIndices) {
+  constexpr int64_t kCount = 200;
+  for (const int threads : {1, 2, 5}) {
+    ThreadPool pool(threads);
+    std::atomic<bool> stuck = false;
+    const auto wait_in_turn = [&] {
+      std::vector<std::atomic<bool>> done(kCount);
+      pool.ParallelFor(kCount, [&](int64_t i, int /*worker*/) {
+        for (int64_t lower = 0; lower < i && !stuck; ++lower) {
+          if (!WaitUntil([&] { return done[static_cast<std::size_t>(lower)] || stuck; })) {
+            stuck = true;
+          }
+        }
+        done[static_cast<std::size_t>(i)] = true;
+      });
+    };
+    wait_in_turn();
+    std::this_thread::sleep_for(kLongerThanSpinning);  // The next loop wakes its workers.
+    // The pool is busy with another caller's loop each time.
+    std::thread other([&] {
+      for (int repeat = 0; repeat < 5; ++repeat) {
+        wait_in_turn();
+      }
+    });
+    for (int repeat = 0; repeat < 5; ++repeat) {
+      wait_in_turn();
+    }
+    other.join();
+    EXPECT_FALSE(stuck) << threads;
+  }
+}
+
 TEST(ThreadPoolTest, SumsAreTheSameForAnyNumberOfThreads) {
   constexpr int64_t kCount = 1000;
   const auto sum_with = [&](int threads) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gluevo/nn/elements.h"
 #include "kernels/bf16.h"
 #include "kernels/kernels.h"
 #include "nn/kernels/kernel_test.h"
@@ -16,7 +17,7 @@ void Set(Bf16Pair& element, int64_t part, float value) {
 }
 double Get(float element, int64_t /*part*/) { return element; }
 double Get(Bf16Pair element, int64_t part) {
-  return FromBf16(part % 2 == 0 ? element.low : element.high);
+  return Bfloat16ToFloat(part % 2 == 0 ? element.low : element.high);
 }
 
 template <typename Element>

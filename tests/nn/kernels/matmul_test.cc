@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "gluevo/nn/elements.h"
 #include "kernels/bf16.h"
 #include "kernels/kernels.h"
 #include "nn/kernels/kernel_test.h"
@@ -198,11 +199,11 @@ TEST(PackRowsTest, IsTheTransposeOfEachBlockOfRows) {
 }
 
 TEST(Bf16Test, RoundsToTheNearestTiesToEven) {
-  EXPECT_EQ(FromBf16(ToBf16(1.0F)), 1.0F);
-  EXPECT_EQ(FromBf16(ToBf16(-1.5F)), -1.5F);
-  EXPECT_EQ(FromBf16(ToBf16(1.0F + 0x1p-8F)), 1.0F);                // A tie, 1 is even.
-  EXPECT_EQ(FromBf16(ToBf16(1.0F + 3 * 0x1p-8F)), 1.0F + 0x1p-6F);  // A tie, up to even.
-  EXPECT_EQ(FromBf16(ToBf16(1.0F + 0x1.02p-8F)), 1.0F + 0x1p-7F);
+  EXPECT_EQ(Bfloat16ToFloat(ToBf16(1.0F)), 1.0F);
+  EXPECT_EQ(Bfloat16ToFloat(ToBf16(-1.5F)), -1.5F);
+  EXPECT_EQ(Bfloat16ToFloat(ToBf16(1.0F + 0x1p-8F)), 1.0F);                // A tie, 1 is even.
+  EXPECT_EQ(Bfloat16ToFloat(ToBf16(1.0F + 3 * 0x1p-8F)), 1.0F + 0x1p-6F);  // A tie, up to even.
+  EXPECT_EQ(Bfloat16ToFloat(ToBf16(1.0F + 0x1.02p-8F)), 1.0F + 0x1p-7F);
 }
 
 }  // namespace

@@ -41,9 +41,14 @@ class SuperGlue {
   int descriptor_size() const { return static_cast<int>(size_); }
   int layers() const;
 
+  /// Floating-point operations of the scores of two sets of keypoints, as published: two for each
+  /// multiply-add of encoder, attention with its merge layers, MLPs, projection and products.
+  double Flops(int64_t keypoints0, int64_t keypoints1) const;
+
   /// The logarithm of the assignment matrix [(n0 + 1) x (n1 + 1)], dustbins last: a row sums to 1
   /// (the dustbin's to n1) where Sinkhorn has converged. Lives in the workspace until its next use.
-  /// Throws Error for descriptors of another size; needs at least one keypoint in each set.
+  /// Throws Error for descriptors of another size and for keypoints without a score or a
+  /// descriptor; needs at least one keypoint in each set.
   TensorView<float> LogAssignment(const Features& features0, const Features& features1,
                                   const SuperGlueOptions& options, Workspace& workspace) const;
 
@@ -56,6 +61,7 @@ class SuperGlue {
 
   const kernels::Kernels* kernels_;
   int64_t size_ = 0;
+  double keypoint_flops_ = 0.0;  // Of what concerns one keypoint alone.
   float dustbin_score_ = 0.0F;
   std::unique_ptr<const Network> network_;
 };

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "gluevo/nn/features.h"
@@ -65,6 +66,10 @@ class SuperPoint {
   /// D, 256 in all published forms.
   int descriptor_size() const { return descriptor_size_; }
 
+  /// Floating-point operations of both dense maps, as published: a direct convolution's two for
+  /// each multiply-add, nothing else. Extract and Describe do with fewer.
+  double Flops(int width, int height) const;
+
   /// Throws Error for an image smaller than 8 x 8 pixels.
   DenseMaps Dense(const GrayImage& image, Workspace& workspace) const;
 
@@ -74,15 +79,20 @@ class SuperPoint {
                Features& features) const;
 
   /// Descriptors at given positions: fills `features.descriptors` for the `features.keypoints` (N x
-  /// 2, pixels) that are there; positions outside the image get the nearest cell's. The scores are
-  /// the score map's at the nearest pixel.
+  /// 2, pixels) that are there; positions outside the image get the nearest cell's. Finds no
+  /// keypoints and has no scores for these: `features.scores` becomes empty.
   void Describe(const GrayImage& image, Workspace& workspace, Features& features) const;
 
  private:
   struct Convolution;
+  struct Head;
+  struct Layers;
   struct Buffers;
+  enum class Heads { kBoth, kDescriptor };
 
-  kernels::BlockedMap Trunk(const GrayImage& image, Workspace& workspace, Buffers& buffers) const;
+  // Buffers for the trunk and for `heads`, which are those that may be run on its output.
+  kernels::BlockedMap Trunk(const GrayImage& image, Heads heads, Workspace& workspace,
+                            Buffers& buffers) const;
   kernels::BlockedMap FirstLayers(const GrayImage& image, Workspace& workspace,
                                   const Buffers& buffers) const;
   void Convolve(const Convolution& layer, const kernels::BlockedMap& in,
@@ -97,8 +107,7 @@ class SuperPoint {
                   Features& features) const;
 
   const kernels::Kernels* kernels_;
-  std::vector<Convolution> trunk_;  // 1a to 4b
-  std::vector<Convolution> heads_;  // Pa, Pb, Da, Db
+  std::unique_ptr<const Layers> layers_;
   int descriptor_size_ = 0;
 };
 

@@ -7,8 +7,14 @@
 
 namespace gluevo::nn {
 
-/// Persistent threads that share loops. Which thread runs which index is not defined, so a loop
-/// body must depend on its index only; then results are the same for any number of threads.
+/// Persistent threads that share loops. Which thread runs which index is not defined, so what a
+/// loop body computes must depend on its index only; then results are the same for any number of
+/// threads.
+///
+/// Indices are handed out one at a time in ascending order: when a call with some index begins, all
+/// lower ones have been handed to threads that are running them or have done so. So a body may wait
+/// until another index is done, if that one is lower: the lowest index at work waits for nobody,
+/// and every loop ends, whatever the number of threads and however late some of them come.
 class ThreadPool {
  public:
   /// `threads` counts the calling thread; 0 means one for each processor this process may use.

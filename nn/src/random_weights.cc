@@ -1,16 +1,15 @@
-#pragma once
+#include "gluevo/nn/random_weights.h"
 
 #include <cmath>
 #include <initializer_list>
 #include <random>
 #include <string>
-
-#include "gluevo/nn/weights.h"
+#include <utility>
 
 namespace gluevo::nn {
+namespace {
 
-/// Networks of the published shapes with random weights from a seed, scaled so that activations
-/// stay of the order of 1 (He et al. 2015): what a network costs does not depend on the values.
+/// Scaled so that activations stay of the order of 1 (He et al. 2015).
 class RandomWeights {
  public:
   explicit RandomWeights(unsigned seed) : generator_(seed) { weights_.source = "random weights"; }
@@ -48,8 +47,9 @@ class RandomWeights {
   Weights weights_;
 };
 
-/// SuperPoint as published: 64, 64, 128, 128 channels, heads of 256.
-inline Weights RandomSuperPoint() {
+}  // namespace
+
+Weights RandomSuperPointWeights() {
   RandomWeights random(1);
   const char* const names[] = {"conv1a", "conv1b", "conv2a", "conv2b",
                                "conv3a", "conv3b", "conv4a", "conv4b"};
@@ -66,8 +66,7 @@ inline Weights RandomSuperPoint() {
   return random.weights();
 }
 
-/// SuperGlue as published: descriptors of 256, `layers` of 18 layers with 4 heads.
-inline Weights RandomSuperGlue(int layers = 18) {
+Weights RandomSuperGlueWeights(int layers) {
   constexpr int64_t kSize = 256;
   RandomWeights random(2);
   int64_t in = 3;
