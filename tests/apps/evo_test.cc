@@ -1,5 +1,5 @@
 // gluevo evaluate gives the figures of the public tool evo: those kept here always, and evo's own
-// where it is installed (pip install evo; GLUEVO_EVO_PYTHON names another python3 than the usual).
+// where it is installed (tests/install_python_tools.sh; GLUEVO_EVO_PYTHON names its python3).
 
 #include <gtest/gtest.h>
 

@@ -19,6 +19,8 @@ import tempfile
 try:
     import inputs
     import networks
+    import superglues
+    import superpoints
     import torch
     import transformers  # noqa: F401
     from safetensors.torch import load_file, save_file
@@ -60,7 +62,7 @@ def check_superpoint(program, folder, name, network, save, outputs=None):
     x = torch.tensor(pixels, dtype=torch.float32)[None, None] / 255
     with torch.no_grad():
         maps = outputs(network, x) if outputs else network(x)
-        scores, descriptors = networks.dense_maps(*maps)
+        scores, descriptors = superpoints.dense_maps(*maps)
     actual = run(program, folder, weights, {"image": torch.tensor(pixels)})
     check("scores, largest difference", float((actual["scores"] - scores).abs().max()), TOLERANCE)
     check("scores, relative RMS", relative_rms(actual["scores"], scores), TOLERANCE)
@@ -81,7 +83,7 @@ def check_superpoint(program, folder, name, network, save, outputs=None):
 
 def superglue_files(network, folder):
     """Each form by its name: a function that writes it and returns the file."""
-    published = networks.magic_leap_names(network)
+    published = superglues.magic_leap_names(network)
     legacy = dict(_use_new_zipfile_serialization=False)
 
     def file(name, save):
@@ -113,7 +115,7 @@ def pretrained_files(network, folder):
 
 def check_superglue(program, folder, files, size, **options):
     width, height, count = 640, 480, 200
-    network = networks.hugging_face_superglue(size=size, **options)
+    network = superglues.hugging_face_superglue(size=size, **options)
     networks.randomize(network, 11)
     networks.sharpen(network, damping=0.1, gain=12.0)
     network.config.matching_threshold = 0.2
@@ -123,7 +125,9 @@ def check_superglue(program, folder, files, size, **options):
     def match(network, dtype):
         images = (x.to(dtype) for x in (keypoints, descriptors, confidences))
         with torch.no_grad():
-            matches, scores, *_ = network._match_image_pair(*images, height, width)
+            matches, scores, *_ = network._match_image_pair(
+                *images, height, width, mask=torch.ones(1, 2, count, dtype=torch.long)
+            )
         return matches[0, 0], scores[0, 0]
 
     matches, scores = match(network, torch.float32)
@@ -152,7 +156,7 @@ def check_ill_conditioned(program, folder, size, **options):
     """Random layers that are not damped make scores of tens of thousands, where neighbours in float
     are 4e-3 apart. Nobody is near float64 then: gluevo may be off by what torch in float is off."""
     width, height, count = 640, 480, 200
-    network = networks.hugging_face_superglue(size=size, **options)
+    network = superglues.hugging_face_superglue(size=size, **options)
     networks.randomize(network, 11)
     networks.sharpen(network, damping=1.0, gain=3.0)
     images = inputs.features(count, size, width, height)
@@ -160,11 +164,11 @@ def check_ill_conditioned(program, folder, size, **options):
     def log_assignment(network, dtype):
         arguments = []
         for keypoints, confidences, descriptors in images:
-            keypoints = networks.normalized_keypoints(keypoints.to(dtype), width, height)
+            keypoints = superglues.normalized_keypoints(keypoints.to(dtype), width, height)
             arguments += [keypoints, confidences.to(dtype), descriptors.to(dtype)]
         with torch.no_grad():
-            scores = networks.hugging_face_scores(network, *arguments)
-            return networks.log_assignment(scores, network.bin_score), float(scores.abs().max())
+            scores = superglues.hugging_face_scores(network, *arguments)
+            return superglues.log_assignment(scores, network.bin_score), float(scores.abs().max())
 
     rounded, _ = log_assignment(network, torch.float32)
     exact, largest = log_assignment(copy.deepcopy(network).double(), torch.float64)
@@ -199,18 +203,18 @@ def main():
 
     with tempfile.TemporaryDirectory() as folder:
         superpoint = lambda *rest: check_superpoint(program, folder, *rest)
-        network = networks.randomize(networks.hugging_face_superpoint(**sizes), 1)
+        network = networks.randomize(superpoints.hugging_face_superpoint(**sizes), 1)
         superpoint(
             "superpoint, hugging face, safetensors",
             network,
             lambda n, p: save_file(n.state_dict(), p),
-            networks.hugging_face_superpoint_outputs,
+            superpoints.hugging_face_superpoint_outputs,
         )
-        network = networks.randomize(networks.MagicLeapSuperPoint(**sizes), 2)
+        network = networks.randomize(superpoints.MagicLeapSuperPoint(**sizes), 2)
         superpoint(
             "superpoint, published names, zip", network, lambda n, p: torch.save(n.state_dict(), p)
         )
-        network = networks.randomize(networks.RpautratSuperPoint(**sizes), 3)
+        network = networks.randomize(superpoints.RpautratSuperPoint(**sizes), 3)
         superpoint(
             "superpoint, rpautrat, legacy",
             network,
@@ -220,7 +224,7 @@ def main():
             "superpoint, rpautrat, zip", network, lambda n, p: torch.save(n.state_dict(), p)
         )
         superpoint("superpoint, rpautrat, onnx", network, export)
-        network = networks.randomize(networks.PytorchSuperpoint(**sizes), 4)
+        network = networks.randomize(superpoints.PytorchSuperpoint(**sizes), 4)
         superpoint(
             "superpoint, batch norm before ReLU, zip",
             network,

@@ -13,6 +13,8 @@ import make_container_files
 import make_golden
 import networks
 import numpy as np
+import superglues
+import superpoints
 import torch
 from safetensors.torch import save_file
 
@@ -30,16 +32,16 @@ def main():
         return os.path.join(out, harness, name)
 
     legacy = dict(_use_new_zipfile_serialization=False)
-    glue = networks.randomize(networks.MagicLeapSuperGlue(**GLUE), 1)
-    superpoints = {
-        "magic_leap": networks.MagicLeapSuperPoint(**WIDTHS),
-        "rpautrat": networks.RpautratSuperPoint(**WIDTHS),
-        "batch_norm": networks.PytorchSuperpoint(**WIDTHS),
-        "hugging_face": networks.hugging_face_superglue(
+    glue = networks.randomize(superglues.MagicLeapSuperGlue(**GLUE), 1)
+    random_superpoints = {
+        "magic_leap": superpoints.MagicLeapSuperPoint(**WIDTHS),
+        "rpautrat": superpoints.RpautratSuperPoint(**WIDTHS),
+        "batch_norm": superpoints.PytorchSuperpoint(**WIDTHS),
+        "hugging_face": superglues.hugging_face_superglue(
             **GLUE, widths=WIDTHS["widths"], head=WIDTHS["head"]
         ),
     }
-    for seed, (name, network) in enumerate(superpoints.items()):
+    for seed, (name, network) in enumerate(random_superpoints.items()):
         networks.randomize(network, seed)
         save_file(network.state_dict(), path("container", f"{name}.safetensors"))
     state = {"module." + name: value.half() for name, value in glue.state_dict().items()}
@@ -73,11 +75,11 @@ def main():
 
     image = torch.zeros(1, 1, 16, 16)
     for name in ("magic_leap", "rpautrat", "batch_norm"):
-        make_golden.export(superpoints[name], [image], path("onnx", f"{name}.onnx"))
+        make_golden.export(random_superpoints[name], [image], path("onnx", f"{name}.onnx"))
     pixels = np.arange(256, dtype=np.uint8).reshape(16, 16)
-    make_golden.make_int8(superpoints["magic_leap"], pixels, path("onnx", "int8.onnx"))
+    make_golden.make_int8(random_superpoints["magic_leap"], pixels, path("onnx", "int8.onnx"))
     qlinear = path("onnx", "qlinear.onnx")
-    make_golden.make_int8(superpoints["magic_leap"], pixels, qlinear, operators=True)
+    make_golden.make_int8(random_superpoints["magic_leap"], pixels, qlinear, operators=True)
     features = [torch.rand(2, 2), torch.rand(2), torch.rand(2, GLUE["size"])] * 2
     network = make_golden.WithAssignment(glue, lambda net, *inputs: net(*inputs))
     make_golden.export(network, features, path("onnx", "superglue.onnx"), keypoints=True)

@@ -12,6 +12,8 @@ import os
 import inputs
 import networks
 import onnx
+import superglues
+import superpoints
 import torch
 from safetensors.torch import save_file
 
@@ -23,7 +25,7 @@ def superpoint_outputs(network, pixels, run=None):
     x = torch.tensor(pixels, dtype=torch.float64)[None, None] / 255
     double = copy.deepcopy(network).double().eval()
     with torch.no_grad():
-        return networks.dense_maps(*(run(double, x) if run else double(x)))
+        return superpoints.dense_maps(*(run(double, x) if run else double(x)))
 
 
 class WithAssignment(torch.nn.Module):
@@ -36,12 +38,14 @@ class WithAssignment(torch.nn.Module):
 
     def forward(self, *features):
         scores = self.scores(self.net, *features)
-        return networks.log_assignment(scores, self.net.bin_score, iterations=2)
+        return superglues.log_assignment(scores, self.net.bin_score, iterations=2)
 
 
 def export(network, arguments, path, dynamo=False, keypoints=False):
     """With sizes that may vary, as exporters ask for: keypoints along the first axes."""
     options = {"external_data": False} if dynamo else {}
+    if int(torch.__version__.split(".")[0]) >= 2:  # torch 1 has one exporter, and no name for it.
+        options["dynamo"] = dynamo
     if keypoints and dynamo:
         count = torch.export.Dim("count", min=2, max=4096)
         options["dynamic_shapes"] = [tuple({0: count} for _ in arguments)]
@@ -49,7 +53,7 @@ def export(network, arguments, path, dynamo=False, keypoints=False):
         names = [f"input{i}" for i in range(len(arguments))]
         options["input_names"] = names
         options["dynamic_axes"] = {name: {0: "count"} for name in names}
-    torch.onnx.export(network, tuple(arguments), path, dynamo=dynamo, **options)
+    torch.onnx.export(network, tuple(arguments), path, **options)
     model = onnx.load(path)
     for node in model.graph.node:
         del node.metadata_props[:]  # Stack traces of the machine that it was made on.
@@ -122,11 +126,11 @@ def main():
         outputs = superpoint_outputs(network, pixels, run)
         inputs.save_superpoint_golden(path(f"golden_{name}.safetensors"), pixels, *outputs)
 
-    network = networks.randomize(networks.MagicLeapSuperPoint(**WIDTHS), 1)
+    network = networks.randomize(superpoints.MagicLeapSuperPoint(**WIDTHS), 1)
     golden("superpoint_magic_leap", network)
     torch.save(network.state_dict(), path("superpoint_magic_leap.pth"))
 
-    network = networks.randomize(networks.RpautratSuperPoint(**WIDTHS), 2)
+    network = networks.randomize(superpoints.RpautratSuperPoint(**WIDTHS), 2)
     golden("superpoint_rpautrat", network)
     torch.save(
         network.state_dict(),
@@ -137,28 +141,28 @@ def main():
     image = torch.zeros(1, 1, *pixels.shape)
     export(network, [image], path("superpoint_rpautrat.onnx"))
 
-    network = networks.randomize(networks.MagicLeapSuperPoint(**WIDTHS), 6)
+    network = networks.randomize(superpoints.MagicLeapSuperPoint(**WIDTHS), 6)
     golden("superpoint_int8", make_int8(network, pixels, path("superpoint_int8.onnx")))
     quantized = make_int8(network, pixels, path("superpoint_qlinear.onnx"), operators=True)
     golden("superpoint_qlinear", quantized)
 
-    network = networks.randomize(networks.PytorchSuperpoint(**WIDTHS), 3)
+    network = networks.randomize(superpoints.PytorchSuperpoint(**WIDTHS), 3)
     export(network, [image], path("superpoint_folded.onnx"))
     export(network, [image], path("superpoint_folded_dynamo.onnx"), dynamo=True)
     golden("superpoint_batch_norm", network)
     checkpoint = {"n_iter": 7, "model_state_dict": network.state_dict(), "loss": torch.ones(1)}
     torch.save(checkpoint, path("superpoint_batch_norm.pth.tar"))
 
-    network = networks.randomize(networks.hugging_face_superpoint(**WIDTHS), 4)
-    golden("superpoint_hugging_face", network, networks.hugging_face_superpoint_outputs)
+    network = networks.randomize(superpoints.hugging_face_superpoint(**WIDTHS), 4)
+    golden("superpoint_hugging_face", network, superpoints.hugging_face_superpoint_outputs)
     save_file(network.state_dict(), path("superpoint_hugging_face.safetensors"))
 
     # Both networks in one file, and its SuperGlue under the published names.
-    network = networks.randomize(networks.hugging_face_superglue(**GLUE, **{
+    network = networks.randomize(superglues.hugging_face_superglue(**GLUE, **{
         "widths": WIDTHS["widths"], "head": WIDTHS["head"]}), 5)
     networks.sharpen(network)
     save_file(network.state_dict(), path("both_hugging_face.safetensors"))
-    published = networks.magic_leap_names(network)
+    published = superglues.magic_leap_names(network)
     torch.save(
         {"module.net." + name: value for name, value in published.items()},
         path("superglue_magic_leap.pth"),
@@ -169,17 +173,17 @@ def main():
     double = copy.deepcopy(network).double().eval()
     arguments = []
     for keypoints, scores, descriptors in (first, second):
-        keypoints = networks.normalized_keypoints(keypoints.double(), width, height)
+        keypoints = superglues.normalized_keypoints(keypoints.double(), width, height)
         arguments += [keypoints, scores.double(), descriptors.double()]
     with torch.no_grad():
-        scores = networks.hugging_face_scores(double, *arguments)
-        assignment = networks.log_assignment(scores, double.bin_score)
-        own = networks.MagicLeapSuperGlue(**GLUE).double().eval()
+        scores = superglues.hugging_face_scores(double, *arguments)
+        assignment = superglues.log_assignment(scores, double.bin_score)
+        own = superglues.MagicLeapSuperGlue(**GLUE).double().eval()
         own.load_state_dict({name: value.double() for name, value in published.items()})
         difference = (own(*arguments) - scores).abs().max()
     assert difference < 1e-9, f"the two SuperGlues differ by {difference}"
     small = [argument.float() for argument in arguments]
-    export(WithAssignment(network, networks.hugging_face_scores), small,
+    export(WithAssignment(network, superglues.hugging_face_scores), small,
            path("superglue_hugging_face.onnx"), keypoints=True)
     scores_of = lambda net, *features: net(*features)
     export(WithAssignment(own.float(), scores_of), small, path("superglue_folded.onnx"), keypoints=True)
