@@ -15,7 +15,7 @@
 #include "commands.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
-#include "network_options.h"
+#include "options/network_options.h"
 
 namespace gluevo::apps {
 namespace {
@@ -28,7 +28,8 @@ struct BenchArguments {
   int rounds = 20;
   bool on_request = false;
   bool json = false;
-  NetworkOptions networks;
+  vo::NetworkFiles networks;
+  int threads = 0;
   nn::SuperPointOptions superpoint;
 };
 
@@ -80,10 +81,10 @@ void Report(const BenchArguments& arguments, const BenchWork& work, int threads)
 
 void Bench(BenchArguments arguments) {
   ParseSize(arguments.size, arguments.inputs);
-  nn::ThreadPool pool(arguments.networks.threads);
+  nn::ThreadPool pool(arguments.threads);
   nn::Workspace workspace(pool);
   const bool is_superpoint = arguments.network == "superpoint";
-  const Networks networks = LoadNetworks(arguments.networks, !is_superpoint);
+  const vo::Networks networks = vo::LoadNetworks(arguments.networks, !is_superpoint);
   arguments.superpoint.max_keypoints = arguments.inputs.keypoints;
   const BenchWork work = is_superpoint ? MakeSuperPointWork(networks, arguments.superpoint,
                                                             arguments.inputs, workspace)
@@ -136,7 +137,7 @@ void AddBenchCommand(CLI::App& app) {
                  "milliseconds on a line of standard output")
       ->excludes(rounds)
       ->excludes(json);
-  AddNetworkOptions(*command, arguments->networks);
+  AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer("Example:\n  gluevo bench --network superglue --keypoints 1024 --threads 2");
   command->callback([arguments] {
     const bool is_superpoint = arguments->network == "superpoint";

@@ -107,7 +107,7 @@ FeaturePair ReadFeaturePair(const std::filesystem::path& path) {
   return {FeaturesOf(file, "0"), FeaturesOf(file, "1")};
 }
 
-BenchWork MakeSuperPointWork(const Networks& networks, const nn::SuperPointOptions& options,
+BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointOptions& options,
                              const BenchInputs& inputs, nn::Workspace& workspace) {
   const cv::Mat image =
       inputs.image.empty() ? Noise(inputs.width, inputs.height) : ReadGrayImage(inputs.image);
@@ -138,7 +138,7 @@ BenchWork MakeSuperPointWork(const Networks& networks, const nn::SuperPointOptio
   return {SizeOf(image.cols, image.rows), options.max_keypoints, run, outputs};
 }
 
-BenchWork MakeSuperGlueWork(const Networks& networks, const BenchInputs& inputs,
+BenchWork MakeSuperGlueWork(const vo::Networks& networks, const BenchInputs& inputs,
                             nn::Workspace& workspace) {
   const int size = networks.superglue->descriptor_size();
   const auto pair = std::make_shared<const FeaturePair>(

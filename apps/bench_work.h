@@ -7,7 +7,7 @@
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/nn/workspace.h"
-#include "network_options.h"
+#include "gluevo/vo/pipeline/networks.h"
 
 namespace gluevo::apps {
 
@@ -32,9 +32,9 @@ struct BenchWork {
   std::function<nn::Weights()> outputs;
 };
 
-BenchWork MakeSuperPointWork(const Networks& networks, const nn::SuperPointOptions& options,
+BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointOptions& options,
                              const BenchInputs& inputs, nn::Workspace& workspace);
-BenchWork MakeSuperGlueWork(const Networks& networks, const BenchInputs& inputs,
+BenchWork MakeSuperGlueWork(const vo::Networks& networks, const BenchInputs& inputs,
                             nn::Workspace& workspace);
 
 /// Features of two images from a .safetensors or .npz file with keypoints0 [N x 2] (pixels),

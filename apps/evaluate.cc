@@ -67,7 +67,7 @@ void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>&
                 (options.rpe_frames == 1 ? " frame" : " frames"))
             << evaluation.rpe_frames_translation_m << " m, " << evaluation.rpe_frames_rotation_deg
             << " deg\n"
-            << "right motions               " << evaluation.right_motions << " of "
+            << "correct motions             " << evaluation.correct_motions << " of "
             << evaluation.pairs - 1 << '\n'
             << "coverage of the time        " << 100.0 * evaluation.coverage << " %\n";
   if (!segments || segments->evaluation.segments.size() < 2) {
@@ -78,7 +78,7 @@ void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>&
             << segmented.breaks << " declared breaks\n"
             << "ATE within segments         " << segmented.ate_within_segments_m << " m, over "
             << segmented.pairs_within_segments << " poses\n"
-            << "right within segments       " << segmented.right_motions << " of "
+            << "correct within segments     " << segmented.correct_motions << " of "
             << segmented.motions << '\n';
   for (const vo::SegmentedEvaluation::Segment& segment : segmented.segments) {
     std::cout << "  segment " << std::setw(18) << segment.number << segment.pairs << " poses";

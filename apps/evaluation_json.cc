@@ -19,7 +19,7 @@ void AddEvaluation(const vo::Evaluation& evaluation, Json& json) {
   json["rpe_frames_translation_m"] = FiniteOrNull(evaluation.rpe_frames_translation_m);
   json["rpe_frames_rotation_deg"] = FiniteOrNull(evaluation.rpe_frames_rotation_deg);
   json["motions"] = evaluation.pairs - 1;
-  json["right_motions"] = evaluation.right_motions;
+  json["correct_motions"] = evaluation.correct_motions;
   json["coverage"] = FiniteOrNull(evaluation.coverage);
 }
 
@@ -28,7 +28,7 @@ void AddSegmentedEvaluation(const vo::SegmentedEvaluation& evaluation, Json& jso
   within["ate_se3_m"] = FiniteOrNull(evaluation.ate_within_segments_m);
   within["pairs"] = evaluation.pairs_within_segments;
   within["motions"] = evaluation.motions;
-  within["right_motions"] = evaluation.right_motions;
+  within["correct_motions"] = evaluation.correct_motions;
   within["breaks"] = evaluation.breaks;
   within["segments"] = Json::array();
   for (const vo::SegmentedEvaluation::Segment& segment : evaluation.segments) {

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "commands.h"
-#include "experiment_file.h"
-#include "experiment_page.h"
-#include "experiment_plan.h"
-#include "experiment_runs.h"
-#include "experiment_table.h"
+#include "experiments/experiment_file.h"
+#include "experiments/experiment_page.h"
+#include "experiments/experiment_plan.h"
+#include "experiments/experiment_runs.h"
+#include "experiments/experiment_table.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/thread_pool.h"

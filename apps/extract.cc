@@ -9,9 +9,8 @@
 #include "commands.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
-#include "gluevo/vo/frontend/network_matcher.h"
 #include "image_files.h"
-#include "network_options.h"
+#include "options/network_options.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -22,16 +21,17 @@ namespace fs = std::filesystem;
 struct ExtractArguments {
   fs::path images;
   fs::path output;
-  NetworkOptions networks;
+  vo::NetworkFiles networks;
+  int threads = 0;
   nn::SuperPointOptions superpoint;
 };
 
 void Extract(const ExtractArguments& arguments) {
   const std::vector<fs::path> images = ListImagesBelow(arguments.images);
-  nn::ThreadPool pool(arguments.networks.threads);
-  const Networks networks = LoadNetworks(arguments.networks, /*with_superglue=*/false);
+  nn::ThreadPool pool(arguments.threads);
+  const vo::Networks networks = vo::LoadNetworks(arguments.networks, /*with_superglue=*/false);
   const std::unique_ptr<vo::FeatureExtractor> extractor =
-      vo::MakeSuperPointExtractor(networks.superpoint, arguments.superpoint, pool);
+      vo::MakeExtractor(networks, arguments.superpoint, pool);
 
   vo::FeatureWriter writer(arguments.output);
   std::size_t keypoints = 0;
@@ -61,7 +61,7 @@ void AddExtractCommand(CLI::App& app) {
       ->required();
   command->add_option("-o,--output", arguments->output, "HDF5 file to write")->required();
   AddSuperPointOptions(*command, arguments->superpoint);
-  AddNetworkOptions(*command, arguments->networks);
+  AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer("Example:\n  gluevo extract images/ -o features.h5 --max-keypoints 2048");
   command->callback([arguments] { Extract(*arguments); });
 }

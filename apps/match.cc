@@ -17,9 +17,8 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
-#include "gluevo/vo/frontend/network_matcher.h"
 #include "image_files.h"
-#include "network_options.h"
+#include "options/network_options.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -37,16 +36,10 @@ struct MatchArguments {
   bool json = false;
   std::string matcher = "superglue";
   float threshold = 0.2F;
-  NetworkOptions networks;
+  vo::NetworkFiles networks;
+  int threads = 0;
   nn::SuperPointOptions superpoint;
 };
-
-std::unique_ptr<vo::Matcher> MakeMatcher(const Networks& networks, nn::ThreadPool& pool) {
-  constexpr int kSinkhornIterations = 100;
-  return networks.superglue != nullptr
-             ? vo::MakeSuperGlueMatcher(networks.superglue, kSinkhornIterations, pool)
-             : vo::MakeNearestNeighborMatcher();
-}
 
 // A cosine is no confidence of a matcher that was trained: nearest neighbours take all.
 float Threshold(const MatchArguments& arguments) {
@@ -88,9 +81,10 @@ std::vector<std::pair<std::string, std::string>> ReadPairs(const fs::path& path)
 void MatchFile(const MatchArguments& arguments) {
   const auto pairs = ReadPairs(arguments.pairs);
   const vo::FeatureReader reader(arguments.inputs[0]);
-  nn::ThreadPool pool(arguments.networks.threads);
-  const Networks networks = LoadNetworks(arguments.networks, arguments.matcher == "superglue");
-  const std::unique_ptr<vo::Matcher> matcher = MakeMatcher(networks, pool);
+  nn::ThreadPool pool(arguments.threads);
+  const vo::Networks networks =
+      vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
+  const std::unique_ptr<vo::Matcher> matcher = vo::MakeMatcher(networks, pool);
 
   vo::MatchWriter writer(arguments.output);
   std::size_t total = 0;
@@ -197,14 +191,15 @@ void MatchImages(const MatchArguments& arguments) {
     homography = ReadHomography(arguments.homography);
   }
   const cv::Mat images[] = {ReadGrayImage(arguments.inputs[0]), ReadGrayImage(arguments.inputs[1])};
-  nn::ThreadPool pool(arguments.networks.threads);
-  const Networks networks = LoadNetworks(arguments.networks, arguments.matcher == "superglue");
+  nn::ThreadPool pool(arguments.threads);
+  const vo::Networks networks =
+      vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
   const std::unique_ptr<vo::FeatureExtractor> extractor =
-      vo::MakeSuperPointExtractor(networks.superpoint, arguments.superpoint, pool);
+      vo::MakeExtractor(networks, arguments.superpoint, pool);
   const nn::Features features0 = extractor->Extract(images[0]);
   const nn::Features features1 = extractor->Extract(images[1]);
   const nn::Matches matches =
-      MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
+      vo::MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
   const int count = CountMatches(matches);
 
   if (!arguments.draw.empty()) {
@@ -276,7 +271,7 @@ void AddMatchCommand(CLI::App& app) {
                    "Confidence above which SuperGlue's pairs are matches")
       ->capture_default_str();
   AddSuperPointOptions(*command, arguments->superpoint);
-  AddNetworkOptions(*command, arguments->networks);
+  AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer(
       "Examples:\n  gluevo match features.h5 --pairs pairs.txt -o matches.h5\n"
       "  gluevo match a.png b.png --draw matches.png");

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
@@ -11,24 +12,24 @@
 #include <vector>
 
 #include "commands.h"
-#include "dataset_options.h"
-#include "estimator_options.h"
-#include "frontend_options.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/nn/isa.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/io/dataset.h"
+#include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
 #include "gluevo/vo/pipeline/odometry.h"
-#include "option_defaults.h"
+#include "options/dataset_options.h"
+#include "options/estimator_options.h"
+#include "options/frontend_options.h"
+#include "options/preset_options.h"
+#include "options/yaml_config.h"
 #include "progress.h"
 #include "report/run_report.h"
 #include "report/strip.h"
 #include "run_metrics.h"
 #include "run_replay.h"
-#include "yaml_config.h"
 
 namespace gluevo::apps {
 namespace {
@@ -38,20 +39,20 @@ namespace fs = std::filesystem;
 struct RunArguments {
   fs::path dataset;
   fs::path output;
-  fs::path config;
+  fs::path config_file;
+  std::string preset;
   fs::path map;
   std::string trajectory_format = "tum";
   DatasetArguments frames;
   fs::path save_matches;
   fs::path replay;
-  FrontEndArguments frontend;
-  EstimatorOptions estimator;
+  vo::OdometryConfig config;
 };
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
   command.add_option("-o,--output", arguments.output, "Folder for the results")->required();
-  command.add_option("--config", arguments.config,
+  command.add_option("--config", arguments.config_file,
                      "YAML file with values for any of these options; the command line goes first");
   AddDatasetOptions(command, arguments.frames);
   command
@@ -69,18 +70,13 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Take the matches from such a file: reads no images and runs no networks; the "
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
-  AddFrontEndOptions(command, arguments.frontend);
-  AddEstimatorOptions(command, arguments.estimator);
+  AddPresetOption(command, arguments.preset);
+  AddFrontEndOptions(command, arguments.config);
+  AddEstimatorOptions(command, arguments.config.odometry);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
       "results/V1_01");
-}
-
-// VINS-Fusion's constants for driving, where neither command line nor configuration says more.
-void ApplyDrivingPreset(CLI::App& command) {
-  SetUnlessGiven(command, "--klt-corners", "200");
-  SetUnlessGiven(command, "--keyframe-parallax", "15");
 }
 
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
@@ -110,125 +106,156 @@ std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
   return timestamps_ns;
 }
 
-void Run(RunArguments& arguments, CLI::App& command) {
-  std::string method = arguments.frontend.method;
+// Everything that a run needs and that can fail, before its first frame.
+struct Setup {
+  vo::Dataset dataset;
+  std::string method;
+  OptionOrigins origins;
+  vo::Networks networks;
+  std::unique_ptr<vo::FrontEnd> frontend;
+  bool reads_images = true;
+};
+
+Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
+            nn::ThreadPool& pool) {
+  Setup setup;
+  setup.method = arguments.config.frontend.method;
   std::optional<vo::MatchStoreReader> store;
   if (!arguments.replay.empty()) {
     store.emplace(arguments.replay);
-    method = ReplayedMethod(command, *store);
+    setup.method = ReplayedMethod(command, *store);
     SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
                          arguments.frames.stride);
   }
-  const vo::Dataset dataset =
-      vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
-  if (dataset.format == vo::DatasetFormat::kKittiOdometry ||
-      dataset.format == vo::DatasetFormat::kKittiRaw) {
-    ApplyDrivingPreset(command);
-  }
-  nn::ThreadPool pool(arguments.frontend.networks.threads);
-  cv::setNumThreads(pool.size());
-  Networks networks;
-  std::unique_ptr<vo::FrontEnd> frontend;
-  const bool is_replay = store.has_value();
-  if (is_replay) {
-    networks.superpoint_record = ReplayedWeights(*store, "superpoint");
-    networks.superglue_record = ReplayedWeights(*store, "superglue");
-    frontend =
-        std::make_unique<vo::ReplayFrontEnd>(*std::move(store), dataset.rig, TimesOf(dataset));
+  setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  setup.origins =
+      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  setup.reads_images = !store || !arguments.map.empty();
+  if (store) {
+    setup.networks.superpoint_record = ReplayedWeights(*store, "superpoint");
+    setup.networks.superglue_record = ReplayedWeights(*store, "superglue");
+    setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
+                                                          TimesOf(setup.dataset));
   } else {
-    networks = LoadFrontEndNetworks(arguments.frontend);
-    frontend = MakeFrontEnd(arguments.frontend, dataset.rig, networks, pool);
+    setup.networks = vo::LoadFrontEndNetworks(arguments.config.frontend);
+    setup.frontend =
+        vo::MakeFrontEnd(arguments.config.frontend, setup.dataset.rig, setup.networks, pool);
   }
-  vo::Odometry odometry(dataset.rig, std::move(frontend),
-                        ResolveEstimatorOptions(arguments.estimator));
-  std::optional<vo::MatchStoreWriter> saved;
-  if (!arguments.save_matches.empty()) {
-    saved.emplace(arguments.save_matches, dataset.rig, MakeRunRecord(command, method, networks));
-  }
-
-  RunMetrics metrics;
-  StripRecorder strip(dataset.entries.size());
-  std::optional<vo::MapRecorder> map;
+  vo::MakeOutputDirectory(arguments.output);
   if (!arguments.map.empty()) {
-    map.emplace(dataset.rig.cameras, vo::MapOptions());
+    vo::MakeOutputDirectory(arguments.map);
   }
+  return setup;
+}
+
+// What gathers over the frames.
+struct Records {
+  RunMetrics metrics;
+  StripRecorder strip;
+  std::optional<vo::MatchStoreWriter> matches;
+  std::optional<vo::MapRecorder> map;
   vo::Trajectory trajectory;
   vo::Trajectory keyframes;
-  {
-    Progress progress("frame", dataset.entries.size());
-    for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
-      metrics.StartFrame();
-      const bool reads_images = !is_replay || map;
-      const vo::StereoFrame frame =
-          reads_images ? dataset.Read(i) : vo::StereoFrame{dataset.entries[i].timestamp_ns, {}};
-      metrics.FrameIsRead();
-      const vo::FrameResult result = odometry.Process(frame);
-      metrics.FrameIsDone(result);
-      if (saved) {
-        saved->Add(result.tracked_frame);
-      }
-      if (reads_images) {
-        strip.Add(result, [&] { return frame; });
-      }
-      if (map) {
-        map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
-      }
-      trajectory.push_back({result.timestamp_ns, result.world_from_body});
-      if (result.is_keyframe) {
-        keyframes.push_back(trajectory.back());
-      }
-      progress.Update(i + 1, std::to_string(result.inliers) + " inliers, segment " +
-                                 std::to_string(result.segment));
+};
+
+void ProcessFrames(const Setup& setup, vo::Odometry& odometry, Records& records) {
+  const vo::Dataset& dataset = setup.dataset;
+  Progress progress("frame", dataset.entries.size());
+  for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
+    records.metrics.StartFrame();
+    const vo::StereoFrame frame =
+        setup.reads_images ? dataset.Read(i) : vo::StereoFrame{dataset.entries[i].timestamp_ns, {}};
+    records.metrics.FrameIsRead();
+    const vo::FrameResult result = odometry.Process(frame);
+    records.metrics.FrameIsDone(result);
+    if (records.matches) {
+      records.matches->Add(result.tracked_frame);
     }
+    if (setup.reads_images) {
+      records.strip.Add(result, [&] { return frame; });
+    }
+    if (records.map) {
+      records.map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
+    }
+    records.trajectory.push_back({result.timestamp_ns, result.world_from_body});
+    if (result.is_keyframe) {
+      records.keyframes.push_back(records.trajectory.back());
+    }
+    progress.Update(i + 1, std::to_string(result.inliers) + " inliers, segment " +
+                               std::to_string(result.segment));
   }
-  if (saved) {
-    saved->Finish();
+}
+
+void WriteTrajectories(const RunArguments& arguments, const Setup& setup, const Records& records) {
+  struct Format {
+    vo::TrajectoryFormat format;
+    const char* extension;
+  };
+  static const std::map<std::string, Format> formats = {
+      {"tum", {vo::TrajectoryFormat::kTum, ".tum"}},
+      {"euroc", {vo::TrajectoryFormat::kEuroc, ".csv"}},
+      {"kitti", {vo::TrajectoryFormat::kKitti, ".txt"}}};
+  const Format& format = formats.at(arguments.trajectory_format);
+  const std::string header = TrajectoryHeader(setup.dataset.rig);
+  for (const auto& [name, trajectory] :
+       {std::pair{"trajectory", &records.trajectory}, std::pair{"keyframes", &records.keyframes}}) {
+    vo::WriteTrajectory(arguments.output / (std::string(name) + format.extension), *trajectory,
+                        format.format, header);
+  }
+}
+
+void AddEvaluations(const Setup& setup, const Records& records, RunMetrics::Context& context) {
+  if (!setup.dataset.groundtruth) {
+    return;
+  }
+  const vo::Trajectory& groundtruth = *setup.dataset.groundtruth;
+  try {
+    context.evaluation = vo::Evaluate(records.trajectory, groundtruth, {});
+    context.segmented_evaluation = vo::EvaluateSegments(
+        records.trajectory, records.metrics.SegmentOfFrames(), groundtruth, {});
+  } catch (const Error& error) {
+    context.evaluation_failure = error.what();
+  }
+}
+
+void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
+  nn::ThreadPool pool(arguments.config.threads);
+  cv::setNumThreads(pool.size());
+  Setup setup = SetUp(arguments, command, given, pool);
+  vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
+  Records records{.strip = StripRecorder(setup.dataset.entries.size())};
+  if (!arguments.save_matches.empty()) {
+    records.matches.emplace(arguments.save_matches, setup.dataset.rig,
+                            MakeRunRecord(command, setup.method, setup.networks));
+  }
+  if (!arguments.map.empty()) {
+    records.map.emplace(setup.dataset.rig.cameras, vo::MapOptions());
   }
 
-  fs::create_directories(arguments.output);
-  const vo::TrajectoryFormat format =
-      arguments.trajectory_format == "tum"     ? vo::TrajectoryFormat::kTum
-      : arguments.trajectory_format == "euroc" ? vo::TrajectoryFormat::kEuroc
-                                               : vo::TrajectoryFormat::kKitti;
-  const std::string extension = arguments.trajectory_format == "tum"     ? ".tum"
-                                : arguments.trajectory_format == "euroc" ? ".csv"
-                                                                         : ".txt";
-  vo::WriteTrajectory(arguments.output / ("trajectory" + extension), trajectory, format,
-                      TrajectoryHeader(dataset.rig));
-  vo::WriteTrajectory(arguments.output / ("keyframes" + extension), keyframes, format,
-                      TrajectoryHeader(dataset.rig));
+  ProcessFrames(setup, odometry, records);
 
-  std::optional<vo::Evaluation> evaluation;
-  std::optional<vo::SegmentedEvaluation> segmented_evaluation;
-  std::string evaluation_failure;
-  if (dataset.groundtruth) {
-    try {
-      evaluation = vo::Evaluate(trajectory, *dataset.groundtruth, {});
-      segmented_evaluation =
-          vo::EvaluateSegments(trajectory, metrics.SegmentOfFrames(), *dataset.groundtruth, {});
-    } catch (const Error& error) {
-      evaluation_failure = error.what();
-    }
+  if (records.matches) {
+    records.matches->Finish();
   }
-  const RunMetrics::Context context = {.method = method,
-                                       .threads = pool.size(),
-                                       .superpoint = networks.superpoint_record,
-                                       .superglue = networks.superglue_record,
-                                       .options = OptionValues(command),
-                                       .evaluation = evaluation,
-                                       .segmented_evaluation = segmented_evaluation,
-                                       .evaluation_failure = evaluation_failure};
-  metrics.Write(arguments.output / "metrics.json", context);
-  RunReport report = metrics.Report(context);
+  WriteTrajectories(arguments, setup, records);
+  RunMetrics::Context context = {.method = setup.method,
+                                 .threads = pool.size(),
+                                 .superpoint = setup.networks.superpoint_record,
+                                 .superglue = setup.networks.superglue_record,
+                                 .options = OptionValues(command),
+                                 .origins = setup.origins};
+  AddEvaluations(setup, records, context);
+  records.metrics.Write(arguments.output / "metrics.json", context);
+  RunReport report = records.metrics.Report(context);
   report.dataset = arguments.dataset.string();
-  report.rig = dataset.rig;
-  report.groundtruth = dataset.groundtruth;
-  report.strip = strip.frames();
+  report.rig = setup.dataset.rig;
+  report.groundtruth = setup.dataset.groundtruth;
+  report.strip = records.strip.frames();
   WriteRunReport(arguments.output / "report.html", report);
-  if (map) {
-    WriteMap(arguments.map, *map);
+  if (records.map) {
+    WriteMap(arguments.map, *records.map);
   }
-  std::cout << metrics.Summary(context) << "results: " << arguments.output.string() << '\n';
+  std::cout << records.metrics.Summary(context) << "results: " << arguments.output.string() << '\n';
 }
 
 }  // namespace
@@ -239,11 +266,11 @@ void AddRunCommand(CLI::App& app) {
   const auto arguments = std::make_shared<RunArguments>();
   AddRunOptions(*command, *arguments);
   command->callback([arguments, command] {
-    if (!arguments->config.empty()) {
-      ApplyYamlConfig(*command, arguments->config);
+    const std::map<std::string, bool> given = OptionsGiven(*command);
+    if (!arguments->config_file.empty()) {
+      ApplyYamlConfig(*command, arguments->config_file);
     }
-    ApplyMethodDefaults(*command, arguments->frontend);
-    Run(*arguments, *command);
+    Run(*arguments, *command, given);
   });
 }
 

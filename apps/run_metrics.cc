@@ -157,12 +157,8 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["duration_s"] = duration;
   json["frames_per_second"] = duration > 0.0 ? static_cast<double>(frames_.size()) / duration : 0.0;
   json["stages_ms"] = Json::object();
-  for (const char* const stage : {"read", "superpoint", "superglue_track", "superglue_stereo",
-                                  "frontend", "estimator", "total"}) {
-    if (const auto found = stages_ms_.find(stage); found != stages_ms_.end()) {
-      json["stages_ms"][stage] = {{"median", Quantile(found->second, 0.5)},
-                                  {"p95", Quantile(found->second, 0.95)}};
-    }
+  for (const auto& [stage, ms] : stages_ms_) {
+    json["stages_ms"][stage] = {{"median", Quantile(ms, 0.5)}, {"p95", Quantile(ms, 0.95)}};
   }
   json["matches_per_frame"] = {{"tracked", MedianMatches(&vo::FrameResult::tracked)},
                                {"stereo", MedianMatches(&vo::FrameResult::stereo)}};
@@ -177,7 +173,13 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
     }
   }
   json["method"] = context.method;
+  json["preset"] = context.origins.preset;
+  json["preset_from"] = context.origins.preset_from;
   json["options"] = context.options;
+  json["option_origins"] = Json::object();
+  for (const auto& [option, value] : context.options) {
+    json["option_origins"][option] = context.origins.origins.at(option);
+  }
   if (context.evaluation) {
     AddEvaluation(*context.evaluation, json);
   }
@@ -205,8 +207,8 @@ std::string RunMetrics::Summary(const Context& context) const {
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "
          << evaluation->ate_sim3_m << " m (Sim3, scale " << evaluation->scale << "); RPE "
          << std::setprecision(3) << evaluation->rpe_translation_percent << " %, "
-         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; right motions "
-         << evaluation->right_motions << " of " << evaluation->pairs - 1 << "; coverage "
+         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; correct motions "
+         << evaluation->correct_motions << " of " << evaluation->pairs - 1 << "; coverage "
          << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
   }
   return text.str();

@@ -10,8 +10,9 @@
 #include "command_line.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
+#include "gluevo/vo/pipeline/networks.h"
 #include "gluevo/vo/pipeline/odometry.h"
-#include "network_options.h"
+#include "options/preset_options.h"
 #include "report/run_report.h"
 
 namespace gluevo::apps {
@@ -23,9 +24,10 @@ class RunMetrics {
   struct Context {
     std::string method;
     int threads = 1;
-    WeightsRecord superpoint;  ///< Empty where the method has none.
-    WeightsRecord superglue;
+    vo::WeightsRecord superpoint;  ///< Empty where the method has none.
+    vo::WeightsRecord superglue;
     std::map<std::string, std::string> options;
+    OptionOrigins origins;
     std::optional<vo::Evaluation> evaluation;
     std::optional<vo::SegmentedEvaluation> segmented_evaluation;
     std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.

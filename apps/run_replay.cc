@@ -18,7 +18,7 @@ std::string ValueOf(const std::map<std::string, std::string>& values, const std:
 }  // namespace
 
 vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
-                            const Networks& networks) {
+                            const vo::Networks& networks) {
   vo::RunRecord record{method, OptionValues(command), {}};
   for (const auto& [network, weights] : {std::pair{"superpoint", networks.superpoint_record},
                                          std::pair{"superglue", networks.superglue_record}}) {
@@ -56,7 +56,7 @@ void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& s
   }
 }
 
-WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network) {
+vo::WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network) {
   const auto& weights = store.record().weights;
   return {ValueOf(weights, network), ValueOf(weights, network + "_sha256")};
 }

@@ -5,13 +5,13 @@
 #include "command_line.h"
 #include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/io/dataset.h"
-#include "network_options.h"
+#include "gluevo/vo/pipeline/networks.h"
 
 namespace gluevo::apps {
 
 /// What is written into the file of --save-matches about the run.
 vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
-                            const Networks& networks);
+                            const vo::Networks& networks);
 
 /// The stored run's method. Throws Error where --method asks for another one.
 std::string ReplayedMethod(const CLI::App& command, const vo::MatchStoreReader& store);
@@ -21,6 +21,6 @@ void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& s
                           int& count, int& stride);
 
 /// Name and checksum of the weights of a network ("superpoint", "superglue") of the stored run.
-WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network);
+vo::WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network);
 
 }  // namespace gluevo::apps

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "experiment_plan.h"
+#include "experiments/experiment_plan.h"
 
 namespace gluevo::apps {
 

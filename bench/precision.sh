@@ -26,13 +26,13 @@ both = pairs[0] & pairs[1]
 print(f"Matches: {len(pairs[0])} in float, {len(pairs[1])} in bf16, {len(both)} of them the same; "
       f"confidences differ by at most {max(abs(scores[0][p] - scores[1][p]) for p in both):.3f}.\n")
 END
-echo '| data | precision | ATE SE(3), m | RPE, % | right motions |'
+echo '| data | precision | ATE SE(3), m | RPE, % | correct motions |'
 echo '| --- | --- | --- | --- | --- |'
 for dataset in "$@"; do
   for precision in float bf16; do
     "$gluevo" run "$dataset" -o "$work/$precision" --precision "$precision" "${options[@]}" \
       2>&1 | grep '^ATE' |
-      sed -E "s#^ATE ([0-9.]+) m.*RPE ([0-9.]+|nan|-)[^;]*; right motions ([^;]*);.*#| $(basename "$dataset") | $precision | \1 | \2 | \3 |#"
+      sed -E "s#^ATE ([0-9.]+) m.*RPE ([0-9.]+|nan|-)[^;]*; correct motions ([^;]*);.*#| $(basename "$dataset") | $precision | \1 | \2 | \3 |#"
     rm -rf "${work:?}/$precision"
   done
 done

@@ -39,13 +39,13 @@ std::string ErrorTiles(const vo::Evaluation& evaluation) {
          Tile("Scale", Fixed(evaluation.scale, 4), "", "truth over estimate") +
          Tile("RPE", Fixed(evaluation.rpe_translation_percent, 2), "%",
               Fixed(evaluation.rpe_rotation_deg_per_m, 4) + " deg/m") +
-         Tile("Right motions",
-              std::to_string(evaluation.right_motions) + "<small> of " +
+         Tile("Correct motions",
+              std::to_string(evaluation.correct_motions) + "<small> of " +
                   std::to_string(evaluation.pairs - 1) + "</small>",
               "",
-              "within " + Fixed(bounds.right_motion_m, 1) + " m and " +
-                  Fixed(bounds.right_motion_deg, 0) + "\u00B0",
-              evaluation.right_motions + 1 < evaluation.pairs) +
+              "within " + Fixed(bounds.correct_motion_m, 1) + " m and " +
+                  Fixed(bounds.correct_motion_deg, 0) + "\u00B0",
+              evaluation.correct_motions + 1 < evaluation.pairs) +
          Tile("Coverage", Fixed(100.0 * evaluation.coverage, 1), "%", "of the truth\u2019s time");
 }
 

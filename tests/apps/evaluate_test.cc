@@ -83,7 +83,7 @@ TEST_F(SegmentsTest, AreEvaluatedEachOnItsOwn) {
   EXPECT_GT(json["ate_se3_m"], 10.0);
   const nlohmann::json within = json["within_segments"];
   EXPECT_EQ(within["motions"], 6);
-  EXPECT_EQ(within["right_motions"], 5);
+  EXPECT_EQ(within["correct_motions"], 5);
   EXPECT_EQ(within["breaks"], 1);
   EXPECT_EQ(within["pairs"], 8);
   ASSERT_EQ(within["segments"].size(), 2U);

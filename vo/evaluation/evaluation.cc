@@ -105,11 +105,11 @@ std::vector<double> SubPathLengths(double path_length) {
   return {};
 }
 
-std::size_t CountRightMotions(const std::vector<PosePair>& pairs,
-                              const EvaluationOptions& options) {
+std::size_t CountCorrectMotions(const std::vector<PosePair>& pairs,
+                                const EvaluationOptions& options) {
   std::size_t right = 0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
-    right += IsRightMotion(pairs[i - 1], pairs[i], options) ? 1 : 0;
+    right += IsCorrectMotion(pairs[i - 1], pairs[i], options) ? 1 : 0;
   }
   return right;
 }
@@ -210,8 +210,8 @@ void EvaluationOptions::Validate() const {
   if (!(max_time_difference_s >= 0.0 && max_time_difference_s <= kLongest)) {
     throw Error("the largest time difference of poses that belong together must be 0 to 1e6 s");
   }
-  if (!(right_motion_m > 0.0 && right_motion_deg > 0.0)) {
-    throw Error("the bounds of a right motion must be above 0");
+  if (!(correct_motion_m > 0.0 && correct_motion_deg > 0.0)) {
+    throw Error("the bounds of a correct motion must be above 0");
   }
   if (rpe_frames < 1) {
     throw Error("the relative pose error must be over 1 frame or more");
@@ -259,7 +259,7 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
   evaluation.pairs = pairs.size();
   EvaluateAbsolute(pairs, evaluation);
   EvaluateMotions(pairs, evaluation);
-  evaluation.right_motions = CountRightMotions(pairs, options);
+  evaluation.correct_motions = CountCorrectMotions(pairs, options);
   EvaluateRelative(pairs, evaluation);
   EvaluateFrameSteps(pairs, options, evaluation);
   evaluation.coverage = Coverage(pairs, groundtruth);

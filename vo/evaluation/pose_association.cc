@@ -74,10 +74,10 @@ double AngleOf(const Rigid3& transform) {
   return transform.rotation.angularDistance(Eigen::Quaterniond::Identity());
 }
 
-bool IsRightMotion(const PosePair& from, const PosePair& to, const EvaluationOptions& options) {
+bool IsCorrectMotion(const PosePair& from, const PosePair& to, const EvaluationOptions& options) {
   const Rigid3 error = MotionError(from, to);
-  return error.translation.norm() <= options.right_motion_m &&
-         AngleOf(error) * 180.0 / std::numbers::pi <= options.right_motion_deg;
+  return error.translation.norm() <= options.correct_motion_m &&
+         AngleOf(error) * 180.0 / std::numbers::pi <= options.correct_motion_deg;
 }
 
 }  // namespace gluevo::vo

@@ -29,7 +29,7 @@ Rigid3 MotionError(const PosePair& from, const PosePair& to);
 /// Angle of a rotation, radians, 0 to pi.
 double AngleOf(const Rigid3& transform);
 
-/// Whether the motion from one pose to another is right within the options' bounds.
-bool IsRightMotion(const PosePair& from, const PosePair& to, const EvaluationOptions& options);
+/// Whether the motion from one pose to another is correct within the options' bounds.
+bool IsCorrectMotion(const PosePair& from, const PosePair& to, const EvaluationOptions& options);
 
 }  // namespace gluevo::vo

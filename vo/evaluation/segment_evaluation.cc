@@ -54,7 +54,7 @@ SegmentedEvaluation EvaluateSegments(const Trajectory& estimate,
     result.breaks += begin != pairs.begin() ? 1 : 0;
     result.motions += members.size() - 1;
     for (std::size_t i = 1; i < members.size(); ++i) {
-      result.right_motions += IsRightMotion(members[i - 1], members[i], options) ? 1 : 0;
+      result.correct_motions += IsCorrectMotion(members[i - 1], members[i], options) ? 1 : 0;
     }
     if (members.size() >= kFewestPairs) {
       segment.evaluation = EvaluatePairs(members, options);

@@ -214,7 +214,7 @@ TEST(EvaluateSegmentsTest, ComparesPosesOfASegmentOnly) {
   EXPECT_NEAR(result.ate_within_segments_m, std::sqrt(4.0 * last * last / 9.0), 1e-12);
   EXPECT_EQ(result.pairs_within_segments, 9U);
   EXPECT_EQ(result.motions, 8U);
-  EXPECT_EQ(result.right_motions, 5U);
+  EXPECT_EQ(result.correct_motions, 5U);
   EXPECT_EQ(result.breaks, 2U);
 }
 
@@ -229,7 +229,7 @@ TEST(EvaluateSegmentsTest, OneSegmentIsTheWhole) {
   EXPECT_DOUBLE_EQ(result.ate_within_segments_m, whole.ate_se3_m);
   EXPECT_EQ(result.segments.front().evaluation->rpe_translation_percent,
             whole.rpe_translation_percent);
-  EXPECT_EQ(result.right_motions, whole.right_motions);
+  EXPECT_EQ(result.correct_motions, whole.correct_motions);
   EXPECT_EQ(result.breaks, 0U);
 }
 

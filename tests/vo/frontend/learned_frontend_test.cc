@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <deque>
+#include <optional>
 #include <set>
 
 #include "gluevo/nn/error.h"
@@ -92,12 +93,70 @@ TEST(LearnedFrontEndTest, RetryMatchesByTheFallbackOnce) {
   EXPECT_FALSE(frontend.Retry().has_value());
 }
 
+// Nothing matches but by the last way: from the key frame, by the fallback.
+class RecoveryTest : public ::testing::Test {
+ protected:
+  RecoveryTest()
+      : frontend_(RectifiedRig(),
+                  std::make_unique<ScriptedExtractor>(std::deque<nn::Features>{
+                      Named({{1, 40, 20}}), Named({}),     // key frame
+                      Named({{2, 10, 20}}), Named({}),     // sees nothing of it
+                      Named({{1, 41, 20}}), Named({}),     // sees it again
+                      Named({{9, 10, 10}}), Named({}),     // nothing
+                      Named({{1, 42, 20}}), Named({})}),   // and again
+                  std::make_unique<NoMatcher>(), std::make_unique<NameMatcher>(), {}) {
+    id_ = frontend_.Track(Frame(1)).observations[0].track_id;
+    frontend_.Accept({.is_keyframe = true, .starts_segment = true});
+    frontend_.Track(Frame(2));
+    frontend_.Accept({});
+  }
+
+  // Tracks a frame and tries all ways; the tracks that the last of them gave.
+  std::optional<TrackedFrame> LastWay(int64_t timestamp_ns, int ways) {
+    frontend_.Track(Frame(timestamp_ns));
+    std::optional<TrackedFrame> tracked;
+    for (int i = 0; i < ways; ++i) {
+      tracked = frontend_.Retry();
+    }
+    return tracked;
+  }
+
+  LearnedFrontEnd frontend_;
+  int64_t id_ = -1;
+};
+
+TEST_F(RecoveryTest, KeyFramesStayWhereTheLastWaySucceeds) {
+  // From the frame before; from the key frame by the matcher, and by the fallback.
+  const auto found = LastWay(3, 3);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->observations[0].track_id, id_);
+  frontend_.Accept({});
+  frontend_.Track(Frame(4));
+  frontend_.Accept({});
+  const auto again = LastWay(5, 3);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->observations[0].track_id, id_);
+}
+
+TEST_F(RecoveryTest, KeyFramesGoWhereTheEstimatorStartsAgain) {
+  LastWay(3, 3);
+  frontend_.Accept({.is_keyframe = false, .starts_segment = true});
+  frontend_.Track(Frame(4));
+  frontend_.Accept({});
+  // The frame before is all that is left.
+  EXPECT_FALSE(LastWay(5, 2));
+}
+
 TEST(LearnedFrontEndTest, RefusesImagesOfAnotherSizeAndBadOptions) {
   LearnedFrontEnd frontend(RectifiedRig(),
                            std::make_unique<ScriptedExtractor>(std::deque<nn::Features>{}),
                            std::make_unique<NameMatcher>(), nullptr, {});
   StereoFrame frame = Frame(1);
   frame.images[1] = cv::Mat::zeros(40, 64, CV_8UC1);
+  EXPECT_THROW(frontend.Track(frame), Error);
+  frame.images[1] = cv::Mat::zeros(48, 64, CV_16UC1);
+  EXPECT_THROW(frontend.Track(frame), Error);
+  frame.images[1] = cv::Mat::zeros(48, 64, CV_8UC3);
   EXPECT_THROW(frontend.Track(frame), Error);
   EXPECT_THROW((LearnedFrontEndOptions{.tracking_threshold = 1.0F}).Validate(), Error);
   EXPECT_THROW((LearnedFrontEndOptions{.max_epipolar_error_px = 0.0}).Validate(), Error);

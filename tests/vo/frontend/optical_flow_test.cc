@@ -41,6 +41,15 @@ TEST(OpticalFlowTest, APyramidMadeInOldMemoryIsTheSame) {
   }
 }
 
+TEST(OpticalFlowTest, APyramidKeepsNothingOfTheCallersBuffer) {
+  // The case in which OpenCV would: an image with other pixels of its buffer all around it.
+  cv::Mat buffer = testing::PatternAt(0.0, 0.0, 164, 148);
+  const Pyramid pyramid = MakePyramid(buffer(cv::Rect(50, 50, 64, 48)), 15, 2);
+  const cv::Mat before = pyramid[0].clone();
+  buffer.setTo(0);  // The camera's next image.
+  EXPECT_EQ(cv::norm(pyramid[0], before, cv::NORM_INF), 0.0);
+}
+
 TEST(OpticalFlowTest, RefusesBadOptions) {
   EXPECT_THROW((FlowOptions{.window = 2}).Validate("flow"), Error);
   EXPECT_THROW((FlowOptions{.levels = -1}).Validate("flow"), Error);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace gluevo::vo {
 namespace {
 
@@ -28,6 +30,16 @@ TEST(EpipolarCheckTest, PointsInFrontHaveAPositiveDisparity) {
   EXPECT_TRUE(check.InFront({0.2, 0.1}, {0.2, 0.1}, 1.0));      // At infinity.
   EXPECT_TRUE(check.InFront({0.2, 0.1}, {0.2019, 0.1}, 1.0));   // Within a pixel of it.
   EXPECT_FALSE(check.InFront({0.2, 0.1}, {0.2021, 0.1}, 1.0));  // Beyond: behind the cameras.
+}
+
+TEST(EpipolarCheckTest, AllowsWhatIsNearTheLineInFrontAndHasRays) {
+  const EpipolarCheck check(RectifiedRig());
+  EXPECT_TRUE(check.Allows({0.2, 0.1}, {0.15, 0.101}, 1.0));
+  EXPECT_FALSE(check.Allows({0.2, 0.1}, {0.15, 0.104}, 1.0));  // Two pixels off the line.
+  EXPECT_FALSE(check.Allows({0.2, 0.1}, {0.25, 0.1}, 1.0));    // Behind.
+  const double nan = std::nan("");
+  EXPECT_FALSE(check.Allows({nan, nan}, {0.15, 0.1}, 1.0));
+  EXPECT_FALSE(check.Allows({0.2, 0.1}, {nan, nan}, 1.0));
 }
 
 TEST(EpipolarCheckTest, TruePointsOfATurnedRigPass) {

@@ -12,9 +12,9 @@ namespace gluevo::vo {
 struct EvaluationOptions {
   /// Poses at most this far apart in time belong together, seconds.
   double max_time_difference_s = 0.01;
-  /// The motion from one associated pose to the next is right within these.
-  double right_motion_m = 0.1;
-  double right_motion_deg = 2.0;
+  /// The motion from one associated pose to the next is correct within these.
+  double correct_motion_m = 0.1;
+  double correct_motion_deg = 2.0;
   /// The relative pose error over frames: from each rpe_frames-th associated pose to the next one,
   /// or, with rpe_every_frame, from every pose to the one so many later.
   int rpe_frames = 1;
@@ -81,9 +81,9 @@ struct Evaluation {
   /// motions' translation, metres, and rotation, degrees; NaN where there are fewer frames.
   double rpe_frames_translation_m = 0.0;
   double rpe_frames_rotation_deg = 0.0;
-  /// Motions from one associated pose to the next that are right within the options' bounds, of
+  /// Motions from one associated pose to the next that are correct within the options' bounds, of
   /// pairs - 1: what is left of it where frames are far apart and tracking breaks.
-  std::size_t right_motions = 0;
+  std::size_t correct_motions = 0;
   /// Share of the ground truth's time that lies between the first and the last associated pose and
   /// within gaps of at most 1 s (or thrice the median step) between them, 0 to 1.
   double coverage = 0.0;

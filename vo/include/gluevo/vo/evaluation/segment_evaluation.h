@@ -27,7 +27,7 @@ struct SegmentedEvaluation {
   /// Motions from one associated pose to the next within a segment, and of these the right ones
   /// (see Evaluation): a wrong one is an error that the estimate did not declare.
   std::size_t motions = 0;
-  std::size_t right_motions = 0;
+  std::size_t correct_motions = 0;
   /// Motions from a segment to the next: what the estimate declared not to know.
   std::size_t breaks = 0;
 };

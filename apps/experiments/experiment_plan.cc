@@ -5,7 +5,7 @@
 #include <cctype>
 #include <set>
 
-#include "dataset_options.h"
+#include "options/dataset_options.h"
 #include "gluevo/nn/error.h"
 
 namespace gluevo::apps {

@@ -40,9 +40,9 @@ constexpr Figure kWork[] = {
 };
 constexpr Figure kForProgramsOnly[] = {
     {"", "motions", "/motions", 1.0, 0},
-    {"", "right_motions", "/right_motions", 1.0, 0},
+    {"", "correct_motions", "/correct_motions", 1.0, 0},
     {"", "motions_within_segments", "/within_segments/motions", 1.0, 0},
-    {"", "right_motions_within_segments", "/within_segments/right_motions", 1.0, 0},
+    {"", "correct_motions_within_segments", "/within_segments/correct_motions", 1.0, 0},
     {"", "breaks", "/within_segments/breaks", 1.0, 0},
     {"", "frames", "/frames", 1.0, 0},
     {"", "threads", "/threads", 1.0, 0},
@@ -74,16 +74,16 @@ std::string ForPeople(const RunOutcome& outcome, const Figure& figure) {
 }
 
 // "97 of 99"; behind it how many of the others were not declared.
-std::string RightMotions(const RunOutcome& outcome) {
+std::string CorrectMotions(const RunOutcome& outcome) {
   const Json motions = Value(outcome, "/motions");
-  const Json right = Value(outcome, "/right_motions");
-  if (!motions.is_number() || !right.is_number()) {
+  const Json correct = Value(outcome, "/correct_motions");
+  if (!motions.is_number() || !correct.is_number()) {
     return kNothing;
   }
-  std::string text = right.dump() + " of " + motions.dump();
+  std::string text = correct.dump() + " of " + motions.dump();
   const Json within = Value(outcome, "/within_segments");
   if (within.is_object() && within.value("breaks", 0) > 0) {
-    const int wrong = within.value("motions", 0) - within.value("right_motions", 0);
+    const int wrong = within.value("motions", 0) - within.value("correct_motions", 0);
     text += wrong > 0 ? ", " + std::to_string(wrong) + " undeclared" : "";
   }
   return text;
@@ -192,7 +192,7 @@ ExperimentTable MakeTable(const std::vector<RunOutcome>& outcomes) {
   if (has_resets) {
     table.header.emplace_back(kWithinSegments.title);
   }
-  table.header.emplace_back("right motions");
+  table.header.emplace_back("correct motions");
   for (const Figure& figure : kWork) {
     table.header.emplace_back(figure.title);
   }
@@ -212,7 +212,7 @@ ExperimentTable MakeTable(const std::vector<RunOutcome>& outcomes) {
     if (has_resets) {
       row.push_back(ForPeople(outcome, kWithinSegments));
     }
-    row.push_back(RightMotions(outcome));
+    row.push_back(CorrectMotions(outcome));
     for (const Figure& figure : kWork) {
       row.push_back(ForPeople(outcome, figure));
     }

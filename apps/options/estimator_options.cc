@@ -1,0 +1,24 @@
+#include "estimator_options.h"
+
+#include "option_group.h"
+
+namespace gluevo::apps {
+
+void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
+  OptionGroup estimator(command, "Estimator");
+  vo::SlidingWindowOptions& window = options.window;
+  estimator.Add("--window", window.size, "Frames of the sliding window");
+  estimator.Add("--keyframe-parallax", window.keyframe_parallax_px,
+                "A frame is a key frame when its tracks have moved so far since the last one, "
+                "pixels at a focal length of 460");
+  estimator.Add("--iterations", window.max_iterations, "Of each bundle adjustment, at most");
+  estimator.Add("--marginalize", window.marginalize,
+                "Whether frames that leave the window leave what they knew as a prior");
+  estimator
+      .Add("--right-turn-mrad", window.right_turn_sigma_mrad,
+           "How well the calibration knows the right camera's orientation, milliradians; it is "
+           "refined within that; 0: not at all")
+      ->check(CLI::NonNegativeNumber);
+}
+
+}  // namespace gluevo::apps

@@ -1,0 +1,57 @@
+#include "frontend_options.h"
+
+#include "network_options.h"
+#include "option_group.h"
+
+namespace gluevo::apps {
+
+void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
+  vo::FrontEndConfig& frontend = config.frontend;
+  OptionGroup general(command, "Options");
+  general
+      .Add("--method", frontend.method,
+           "Front end: superglue (SuperPoint and SuperGlue), superpoint (corners and optical flow, "
+           "matched from left to right by SuperPoint's descriptors) or klt (corners and optical "
+           "flow)")
+      ->check(CLI::IsMember({"superglue", "superpoint", "klt"}));
+  general
+      .Add("--matcher", frontend.matcher,
+           "What matches SuperPoint's keypoints: superglue, or nn for mutual nearest neighbours")
+      ->check(CLI::IsMember({"superglue", "nn"}));
+  AddNetworkOptions(command, frontend.networks, config.threads);
+  AddSuperPointOptions(command, frontend.superpoint);
+
+  OptionGroup tuning(command, "Tuning");
+  vo::LearnedFrontEndOptions& learned = frontend.learned;
+  tuning.Add("--tracking-threshold", learned.tracking_threshold,
+             "Confidence of a match from the previous left image");
+  tuning.Add("--stereo-threshold", learned.stereo_threshold,
+             "Confidence of a match from left to right");
+  tuning.Add("--max-epipolar-error", learned.max_epipolar_error_px,
+             "Largest distance of a stereo match from its epipolar line, pixels");
+  tuning.Add("--min-distance", learned.min_distance_px,
+             "Smallest distance between observed points, pixels");
+  tuning
+      .Add("--refine", frontend.refine,
+           "Keypoints below the pixel: none, subpixel (peaks of SuperPoint's scores) or lk "
+           "(optical flow between matched points)")
+      ->check(CLI::IsMember({"none", "subpixel", "lk"}));
+  tuning.Add("--min-confirmed-share", learned.min_confirmed_share,
+             "With --refine lk, matches that optical flow does not confirm are dropped where it "
+             "confirms this share");
+  tuning.Add("--max-ratio", frontend.stereo.max_ratio,
+             "Of distances to nearest and second nearest descriptor, method superpoint");
+  command
+      .add_flag("--rematch-keyframe", learned.rematch_keyframe,
+                "Match the last key frame, too, for tracks that the frame before has lost")
+      ->group("Tuning");
+  tuning.Add("--recovery-keyframes", learned.recovery_keyframes,
+             "Where tracking fails, match so many of the newest key frames");
+  tuning
+      .Add("--superglue-every", learned.network_every,
+           "Run the networks on every so many-th frame at least, optical flow between")
+      ->check(CLI::Range(1, 1000));
+  tuning.Add("--klt-corners", frontend.klt.max_corners, "Corners of the klt method");
+}
+
+}  // namespace gluevo::apps

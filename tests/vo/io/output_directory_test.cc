@@ -1,0 +1,40 @@
+#include "gluevo/vo/io/output_directory.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "gluevo/nn/error.h"
+#include "temporary_folder.h"
+
+namespace gluevo::vo {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(OutputDirectory, IsMadeWithThoseAboveItAndStaysEmpty) {
+  const TemporaryFolder folder;
+  const fs::path made = folder.path() / "a" / "b";
+  MakeOutputDirectory(made);
+  EXPECT_TRUE(fs::is_directory(made));
+  EXPECT_TRUE(fs::is_empty(made));
+  EXPECT_NO_THROW(MakeOutputDirectory(made));
+}
+
+TEST(OutputDirectory, RefusesAFileInItsPlaceOrAboveIt) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "file";
+  std::ofstream(file) << "kept";
+  EXPECT_THROW(MakeOutputDirectory(file), Error);
+  EXPECT_THROW(MakeOutputDirectory(file / "below"), Error);
+  EXPECT_EQ(fs::file_size(file), 4U);
+}
+
+TEST(OutputDirectory, RefusesAFolderInWhichNoFileCanBeMade) {
+  // Nobody makes files there, not even root.
+  EXPECT_THROW(MakeOutputDirectory("/proc/self"), Error);
+}
+
+}  // namespace
+}  // namespace gluevo::vo

@@ -1,0 +1,34 @@
+#include "gluevo/vo/io/output_directory.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <string>
+#include <system_error>
+
+#include "gluevo/nn/error.h"
+
+namespace gluevo::vo {
+
+void MakeOutputDirectory(const std::filesystem::path& directory) {
+  std::error_code code;
+  const auto status = std::filesystem::status(directory, code);
+  if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) {
+    throw Error(directory.string() + ": is a file; expected a folder for output");
+  }
+  std::filesystem::create_directories(directory, code);
+  if (code) {
+    throw Error(directory.string() + ": cannot be made: " + code.message());
+  }
+  std::string trial = (directory / ".gluevo-XXXXXX").string();
+  const int file = mkstemp(trial.data());
+  if (file < 0) {
+    throw Error(directory.string() +
+                ": no file can be made in it: " + std::generic_category().message(errno));
+  }
+  close(file);
+  std::filesystem::remove(trial, code);
+}
+
+}  // namespace gluevo::vo
