@@ -141,10 +141,6 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
     setup.frontend =
         vo::MakeFrontEnd(arguments.config.frontend, setup.dataset.rig, setup.networks, pool);
   }
-  vo::MakeOutputDirectory(arguments.output);
-  if (!arguments.map.empty()) {
-    vo::MakeOutputDirectory(arguments.map);
-  }
   return setup;
 }
 
@@ -222,6 +218,11 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   nn::ThreadPool pool(arguments.config.threads);
   cv::setNumThreads(pool.size());
   Setup setup = SetUp(arguments, command, given, pool);
+  const vo::OutputDirectory output(arguments.output);
+  std::optional<vo::OutputDirectory> map_output;
+  if (!arguments.map.empty()) {
+    map_output.emplace(arguments.map);
+  }
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
   Records records{.strip = StripRecorder(setup.dataset.entries.size())};
   if (!arguments.save_matches.empty()) {

@@ -30,8 +30,9 @@ inline std::string Contents(const fs::path& path) {
 /// Runs gluevo as a user does, with files in a temporary folder.
 class CommandTest : public testing::Test {
  protected:
-  Outcome Run(const std::string& arguments) const {
-    const std::string command = std::string(GLUEVO_PROGRAM) + " " + arguments + " >" +
+  Outcome Run(const std::string& arguments) const { return RunProgram(GLUEVO_PROGRAM, arguments); }
+  Outcome RunProgram(const std::string& program, const std::string& arguments) const {
+    const std::string command = program + " " + arguments + " >" +
                                 (run_.path() / "out").string() + " 2>" +
                                 (run_.path() / "error").string();
     const int status = std::system(command.c_str());

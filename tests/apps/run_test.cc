@@ -83,14 +83,63 @@ TEST_F(RunTest, WritesAPoseForEveryFrameAndTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(metrics["threads"], 1);
     for (const char* const key :
          {"keyframes", "resets", "segments", "warnings", "duration_s", "frames_per_second",
-          "stages_ms", "matches_per_frame", "peak_memory_mb", "isa", "weights", "options"}) {
+          "stages_ms", "matches_per_frame", "peak_memory_mb", "isa", "weights", "options",
+          "preset", "preset_from", "option_origins"}) {
       EXPECT_TRUE(metrics.contains(key)) << key;
     }
     if (method == "superglue") {
       EXPECT_EQ(metrics["weights"]["superglue"]["sha256"].get<std::string>().size(), 64U);
-      EXPECT_TRUE(metrics["stages_ms"].contains("superglue_stereo"));
+      EXPECT_TRUE(metrics["stages_ms"].contains("match_stereo"));
     }
   }
+}
+
+TEST_F(RunTest, SaysWhereEachOptionsValueComesFrom) {
+  const fs::path root = MakeKitti();
+  const std::string config = Write("config.yaml", "window: 9\niterations: 5\n");
+  const Outcome by_data = Run("run " + root.string() + " -o " + Path("by_data") +
+                              " --method klt --window 10 --config " + config);
+  ASSERT_EQ(by_data.exit_code, 0) << by_data.error;
+  auto metrics = nlohmann::json::parse(Contents(Path("by_data/metrics.json")));
+  EXPECT_EQ(metrics["preset"], "driving");
+  EXPECT_EQ(metrics["preset_from"], "data set");
+  EXPECT_EQ(metrics["options"]["klt-corners"], "200");
+  EXPECT_EQ(metrics["option_origins"]["klt-corners"], "preset");
+  EXPECT_EQ(metrics["options"]["window"], "10");
+  EXPECT_EQ(metrics["option_origins"]["window"], "command line");
+  EXPECT_EQ(metrics["options"]["iterations"], "5");
+  EXPECT_EQ(metrics["option_origins"]["iterations"], "file");
+  EXPECT_EQ(metrics["option_origins"]["refine"], "default");
+
+  const Outcome asked = Run("run " + root.string() + " -o " + Path("asked") +
+                            " --method superpoint --preset euroc --keyframe-parallax 12");
+  ASSERT_EQ(asked.exit_code, 0) << asked.error;
+  metrics = nlohmann::json::parse(Contents(Path("asked/metrics.json")));
+  EXPECT_EQ(metrics["preset"], "euroc");
+  EXPECT_EQ(metrics["preset_from"], "command line");
+  EXPECT_EQ(metrics["options"]["klt-corners"], "150");
+  EXPECT_EQ(metrics["options"]["keyframe-parallax"], "12");
+  EXPECT_EQ(metrics["options"]["max-keypoints"], "1500");
+  EXPECT_EQ(metrics["option_origins"]["max-keypoints"], "method");
+}
+
+TEST_F(RunTest, RefusesABadOutputBeforeTheFirstFrame) {
+  const fs::path root = MakeKitti();
+  // The first image cannot be read: whoever looks at it first complains of it.
+  std::ofstream(ImagePath(root, 0, 0), std::ios::binary) << "broken";
+  const std::string file = Write("taken", "kept");
+  for (const std::string& output : {file, file + "/below"}) {
+    const Outcome outcome = Run("run " + root.string() + " --method klt -o " + output);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find("gluevo: error: " + output + ": "), std::string::npos)
+        << outcome.error;
+  }
+  EXPECT_EQ(Contents(file), "kept");
+  const Outcome map =
+      Run("run " + root.string() + " --method klt -o " + Path("out") + " --map " + file);
+  EXPECT_EQ(map.exit_code, 1);
+  EXPECT_NE(map.error.find(file + ": is a file"), std::string::npos) << map.error;
+  EXPECT_FALSE(fs::exists(Path("out")));
 }
 
 TEST_F(RunTest, AReplayEqualsItsRun) {

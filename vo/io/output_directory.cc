@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "gluevo/nn/error.h"
 
@@ -29,6 +30,18 @@ void MakeOutputDirectory(const std::filesystem::path& directory) {
   }
   close(file);
   std::filesystem::remove(trial, code);
+}
+
+OutputDirectory::OutputDirectory(std::filesystem::path path)
+    : path_(std::move(path)), is_new_(!std::filesystem::exists(path_)) {
+  MakeOutputDirectory(path_);
+}
+
+OutputDirectory::~OutputDirectory() {
+  if (is_new_) {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);  // Only where it is empty.
+  }
 }
 
 }  // namespace gluevo::vo

@@ -36,5 +36,20 @@ TEST(OutputDirectory, RefusesAFolderInWhichNoFileCanBeMade) {
   EXPECT_THROW(MakeOutputDirectory("/proc/self"), Error);
 }
 
+TEST(OutputDirectory, GoesAgainWhereNothingWasPutIntoIt) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "results";
+  { const OutputDirectory unused(path); }
+  EXPECT_FALSE(fs::exists(path));
+  {
+    const OutputDirectory used(path);
+    std::ofstream(path / "trajectory.tum") << "0 0 0 0 0 0 0 1";
+  }
+  EXPECT_TRUE(fs::exists(path / "trajectory.tum"));
+  fs::remove(path / "trajectory.tum");
+  { const OutputDirectory not_ours(path); }
+  EXPECT_TRUE(fs::exists(path));
+}
+
 }  // namespace
 }  // namespace gluevo::vo
