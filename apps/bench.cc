@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <iomanip>
 #include <iostream>
@@ -15,6 +16,8 @@
 #include "commands.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
+#include "gluevo/nn/peak_share.h"
+#include "gluevo/nn/random_weights.h"
 #include "options/network_options.h"
 
 namespace gluevo::apps {
@@ -26,6 +29,7 @@ struct BenchArguments {
   BenchInputs inputs;
   std::filesystem::path output;
   int rounds = 20;
+  int layers = 0;  // Of SuperGlue with random weights; 0: the weights are given.
   bool on_request = false;
   bool json = false;
   vo::NetworkFiles networks;
@@ -40,42 +44,77 @@ void ParseSize(const std::string& size, BenchInputs& inputs) {
   }
 }
 
-double Milliseconds(const BenchWork& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work.run();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-      .count();
+bool IsSuperPoint(const BenchArguments& arguments) { return arguments.network == "superpoint"; }
+
+nn::Precision PrecisionOf(const BenchArguments& arguments) {
+  const bool is_bf16 = !IsSuperPoint(arguments) && arguments.networks.precision == "bf16";
+  return is_bf16 ? nn::Precision::kBf16 : nn::Precision::kFloat;
+}
+
+vo::Networks MakeNetworks(const BenchArguments& arguments) {
+  if (arguments.layers == 0) {
+    return vo::LoadNetworks(arguments.networks, !IsSuperPoint(arguments));
+  }
+  vo::Networks networks;
+  if (IsSuperPoint(arguments)) {
+    const nn::Weights weights = nn::RandomSuperPointWeights();
+    networks.superpoint = std::make_shared<nn::SuperPoint>(weights);
+    networks.superpoint_record = {weights.source, weights.checksum};
+  } else {
+    const nn::Weights weights = nn::RandomSuperGlueWeights(arguments.layers);
+    networks.superglue = std::make_shared<nn::SuperGlue>(weights, PrecisionOf(arguments));
+    networks.superglue_record = {weights.source, weights.checksum};
+  }
+  return networks;
 }
 
 // For whoever alternates this program with others: one timed call for each line that comes in.
 void RunOnRequest(const BenchWork& work) {
   std::cout << std::fixed << std::setprecision(4);
   for (std::string line; std::getline(std::cin, line);) {
-    std::cout << Milliseconds(work) << std::endl;
+    const auto start = std::chrono::steady_clock::now();
+    work.run();
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
+    std::cout << time.count() << std::endl;
   }
 }
 
-void Report(const BenchArguments& arguments, const BenchWork& work, int threads) {
+void Report(const BenchArguments& arguments, const Networks& networks, const BenchWork& work,
+            int threads) {
+  nn::PeakShare peak(PrecisionOf(arguments), threads);
   std::vector<double> times;
   times.reserve(static_cast<std::size_t>(arguments.rounds));
   for (int i = 0; i < arguments.rounds; ++i) {
-    times.push_back(Milliseconds(work));
+    times.push_back(1e3 * peak.Time(work.flops, work.run));
   }
   std::sort(times.begin(), times.end());
   const double median_ms = times[times.size() / 2];
+  const double gflops = 1e-6 * work.flops / median_ms;
+  const std::string isa = nn::IsaName(nn::ChooseIsa());
   if (arguments.json) {
     nlohmann::ordered_json json;
     json["network"] = arguments.network;
+    json["weights"] =
+        (IsSuperPoint(arguments) ? networks.superpoint_record : networks.superglue_record).source;
+    if (!IsSuperPoint(arguments)) {
+      json["layers"] = networks.superglue->layers();
+    }
     json["size"] = work.size;
     json["keypoints"] = work.keypoints;
     json["median_ms"] = median_ms;
     json["min_ms"] = times.front();
-    json["isa"] = nn::IsaName(nn::ChooseIsa());
+    json["gflops"] = gflops;
+    json["peak_gflops"] = 1e-9 * peak.peak_flops();
+    json["peak_share"] = peak.share();
+    json["precision"] = PrecisionOf(arguments) == nn::Precision::kBf16 ? "bf16" : "float";
+    json["isa"] = isa;
     json["threads"] = threads;
     std::cout << json.dump(2) << '\n';
   } else {
-    std::cout << arguments.network << ", " << nn::IsaName(nn::ChooseIsa()) << ", " << threads
-              << " threads: median " << median_ms << " ms, least " << times.front() << " ms\n";
+    std::cout << arguments.network << ", " << isa << ", " << threads << " threads: median "
+              << median_ms << " ms, least " << times.front() << " ms, " << std::lround(gflops)
+              << " GFLOP/s, " << std::lround(100.0 * peak.share()) << "% of the measured peak of "
+              << std::lround(1e-9 * peak.peak_flops()) << " GFLOP/s\n";
   }
 }
 
@@ -83,12 +122,12 @@ void Bench(BenchArguments arguments) {
   ParseSize(arguments.size, arguments.inputs);
   nn::ThreadPool pool(arguments.threads);
   nn::Workspace workspace(pool);
-  const bool is_superpoint = arguments.network == "superpoint";
-  const vo::Networks networks = vo::LoadNetworks(arguments.networks, !is_superpoint);
+  const vo::Networks networks = MakeNetworks(arguments);
   arguments.superpoint.max_keypoints = arguments.inputs.keypoints;
-  const BenchWork work = is_superpoint ? MakeSuperPointWork(networks, arguments.superpoint,
-                                                            arguments.inputs, workspace)
-                                       : MakeSuperGlueWork(networks, arguments.inputs, workspace);
+  const BenchWork work =
+      IsSuperPoint(arguments)
+          ? MakeSuperPointWork(networks, arguments.superpoint, arguments.inputs, workspace)
+          : MakeSuperGlueWork(networks, arguments.inputs, workspace);
   if (!arguments.output.empty()) {
     nn::WriteSafetensors(arguments.output, work.outputs());
   }
@@ -96,7 +135,7 @@ void Bench(BenchArguments arguments) {
   if (arguments.on_request) {
     RunOnRequest(work);
   } else {
-    Report(arguments, work, pool.size());
+    Report(arguments, networks, work, pool.size());
   }
 }
 
@@ -138,9 +177,22 @@ void AddBenchCommand(CLI::App& app) {
       ->excludes(rounds)
       ->excludes(json);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
-  command->footer("Example:\n  gluevo bench --network superglue --keypoints 1024 --threads 2");
+  CLI::Option* const layers =
+      command
+          ->add_option("--layers", arguments->layers,
+                       "Random weights of the published size, SuperGlue's with so many layers "
+                       "(published: 18)")
+          ->check(CLI::Range(1, 100));
+  for (const char* const given : {"--weights", "--superpoint", "--superglue"}) {
+    layers->excludes(command->get_option(given));
+  }
+  command->footer(
+      "Prints the median and the least time of a call, its floating-point operations a second (as "
+      "published: direct convolutions of whole images) and their share of the multiply-adds that "
+      "as many threads reach on registers alone, measured before each call.\n\n"
+      "Example:\n  gluevo bench --network superglue --keypoints 1024 --threads 2");
   command->callback([arguments] {
-    const bool is_superpoint = arguments->network == "superpoint";
+    const bool is_superpoint = IsSuperPoint(*arguments);
     if (is_superpoint && !arguments->inputs.features.empty()) {
       throw CLI::ValidationError("SuperPoint takes no --features");
     }

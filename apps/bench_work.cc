@@ -135,7 +135,8 @@ BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointO
     tensors.tensors["descriptor_map"] = std::move(channels_first);
     return tensors;
   };
-  return {SizeOf(image.cols, image.rows), options.max_keypoints, run, outputs};
+  return {SizeOf(image.cols, image.rows), options.max_keypoints,
+          networks.superpoint->Flops(image.cols, image.rows), run, outputs};
 }
 
 BenchWork MakeSuperGlueWork(const vo::Networks& networks, const BenchInputs& inputs,
@@ -166,8 +167,8 @@ BenchWork MakeSuperGlueWork(const vo::Networks& networks, const BenchInputs& inp
                      .Matrix());
     return tensors;
   };
-  return {SizeOf(pair->features0.width, pair->features0.height), pair->features0.size(), run,
-          outputs};
+  return {SizeOf(pair->features0.width, pair->features0.height), pair->features0.size(),
+          networks.superglue->Flops(pair->features0.size(), pair->features1.size()), run, outputs};
 }
 
 }  // namespace gluevo::apps

@@ -23,8 +23,9 @@ struct BenchInputs {
 /// A network with its inputs, ready to run again and again. Refers to the workspace it was made
 /// with.
 struct BenchWork {
-  std::string size;   ///< "752x480", pixels, of the image or of the one that features0 are of.
-  int keypoints = 0;  ///< At most so many (SuperPoint), or those of features0 (SuperGlue).
+  std::string size;    ///< "752x480", pixels, of the image or of the one that features0 are of.
+  int keypoints = 0;   ///< At most so many (SuperPoint), or those of features0 (SuperGlue).
+  double flops = 0.0;  ///< Floating-point operations of one call, as published.
   /// One call: from the image to keypoints and descriptors, or from two sets of them to matches.
   std::function<void()> run;
   /// The inputs and all that the network computes from them, by the names and in the shapes of the

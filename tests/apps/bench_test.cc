@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -74,6 +75,60 @@ TEST_F(BenchTest, ReportsTheSizeOfTheImageItRead) {
   const Outcome outcome = Run("bench --rounds 1 --json --image " + Path("image.png"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["size"], "72x40");
+}
+
+// The operations of the published networks, in units of 1e9; see nn's tests for their count.
+TEST_F(BenchTest, ReportsOperationsAndTheirShareOfThePeak) {
+  constexpr double kSuperPoint = 2.0 * 84804.0 * 240 * 160 * 1e-9;
+  const Outcome superpoint = Run("bench --layers 18 --size 240x160 --rounds 3 --threads 1 --json");
+  ASSERT_EQ(superpoint.exit_code, 0) << superpoint.error;
+  const auto extract = nlohmann::json::parse(superpoint.out);
+  EXPECT_EQ(extract["weights"], "random weights");
+  EXPECT_NEAR(extract["gflops"].get<double>() * extract["median_ms"].get<double>() * 1e-3,
+              kSuperPoint, 1e-4 * kSuperPoint);
+
+  const auto match = [&](const std::string& options) {
+    const Outcome outcome =
+        Run("bench --network superglue --keypoints 50 --rounds 3 --json " + options);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return nlohmann::json::parse(outcome.out);
+  };
+  const auto operations = [](const nlohmann::json& json) {
+    return json["gflops"].get<double>() * json["median_ms"].get<double>() * 1e-3;
+  };
+  const auto published = match("--layers 18");
+  const auto two = match("--layers 2 --precision bf16");
+  EXPECT_EQ(published["layers"], 18);
+  EXPECT_EQ(two["layers"], 2);
+  EXPECT_EQ(published["precision"], "float");
+  EXPECT_EQ(two["precision"], "bf16");
+  constexpr double kLayer = 100 * (4.0 * 256 * 256 + 512.0 * 512 + 512 * 256 + 2 * 256.0 * 50);
+  EXPECT_NEAR(operations(published) - operations(two), 2e-9 * 16 * kLayer, 1e-9 * kLayer);
+  for (const auto& json : {extract, published, two}) {
+    EXPECT_GT(json["peak_gflops"], 0.01);
+    EXPECT_GT(json["peak_share"], 0.0);
+    EXPECT_LE(json["min_ms"], json["median_ms"]);
+  }
+
+  const auto built_in = match("");
+  EXPECT_EQ(built_in["weights"], "built-in superglue");
+  EXPECT_EQ(built_in["layers"], 6);
+}
+
+TEST_F(BenchTest, RefusesLayersThatCannotBe) {
+  for (const std::string options :
+       {"--layers 0", "--layers 101", "--layers many", "--layers 18 --weights folder",
+        "--layers 18 --superglue file", "--rounds 0", "--threads -1", "--keypoints 0"}) {
+    const Outcome outcome = Run("bench --network superglue " + options);
+    EXPECT_EQ(outcome.exit_code, 2) << options;
+    const std::string option = options.substr(0, options.find(' '));
+    EXPECT_NE(outcome.error.substr(0, outcome.error.find('\n')).find(option), std::string::npos)
+        << outcome.error;
+    EXPECT_TRUE(outcome.out.empty()) << outcome.out;
+  }
+  const Outcome size = Run("bench --layers 18 --size 7x7");
+  EXPECT_EQ(size.exit_code, 1);
+  EXPECT_NE(size.error.find("--size"), std::string::npos) << size.error;
 }
 
 TEST_F(BenchTest, WritesWhatSuperPointComputes) {

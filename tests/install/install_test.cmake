@@ -1,15 +1,8 @@
 # cmake -P: installs a build into a fresh folder, and builds and runs a project that finds gluevo
 # there. Takes BINARY_DIR (of gluevo), SOURCE_DIR (of gluevo), WORK_DIR, CONFIG, CXX_COMPILER and
-# LIBDIR.
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output
-                  ERROR_VARIABLE output)
-  if(NOT result EQUAL 0)
-    list(JOIN ARGN " " command)
-    message(FATAL_ERROR "${command}: ${result}\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
+# LIBDIR; with NN_ONLY, for a build of the networks alone, the project is nn/, which then is to do
+# without what the other layers need.
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 file(REMOVE_RECURSE ${WORK_DIR})
 set(prefix ${WORK_DIR}/prefix)
@@ -29,13 +22,23 @@ foreach(file IN LISTS files)
   endif()
 endforeach()
 
-run(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/consumer
+set(consumer ${CMAKE_CURRENT_LIST_DIR})
+set(programs gluevo gluevo-weights)
+set(absent)
+if(NN_ONLY)
+  set(consumer ${CMAKE_CURRENT_LIST_DIR}/nn)
+  set(programs)
+  foreach(package OpenCV Ceres yaml-cpp HDF5)
+    list(APPEND absent -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
+  endforeach()
+endif()
+run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/consumer
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
-    -DCMAKE_BUILD_TYPE=${CONFIG})
+    -DCMAKE_BUILD_TYPE=${CONFIG} ${absent})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/consumer)
 run(${WORK_DIR}/consumer/consumer)
 message("${output}")
-foreach(program gluevo gluevo-weights)
+foreach(program IN LISTS programs)
   run(${prefix}/bin/${program} --version)
   message("${output}")
 endforeach()
