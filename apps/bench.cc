@@ -79,7 +79,7 @@ void RunOnRequest(const BenchWork& work) {
   }
 }
 
-void Report(const BenchArguments& arguments, const Networks& networks, const BenchWork& work,
+void Report(const BenchArguments& arguments, const vo::Networks& networks, const BenchWork& work,
             int threads) {
   nn::PeakShare peak(PrecisionOf(arguments), threads);
   std::vector<double> times;

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <set>
 
-#include "options/dataset_options.h"
 #include "gluevo/nn/error.h"
+#include "options/dataset_options.h"
 
 namespace gluevo::apps {
 namespace {

@@ -32,9 +32,8 @@ class CommandTest : public testing::Test {
  protected:
   Outcome Run(const std::string& arguments) const { return RunProgram(GLUEVO_PROGRAM, arguments); }
   Outcome RunProgram(const std::string& program, const std::string& arguments) const {
-    const std::string command = program + " " + arguments + " >" +
-                                (run_.path() / "out").string() + " 2>" +
-                                (run_.path() / "error").string();
+    const std::string command = program + " " + arguments + " >" + (run_.path() / "out").string() +
+                                " 2>" + (run_.path() / "error").string();
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, Contents(run_.path() / "out"),
             Contents(run_.path() / "error")};

@@ -83,8 +83,8 @@ TEST_F(RunTest, WritesAPoseForEveryFrameAndTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(metrics["threads"], 1);
     for (const char* const key :
          {"keyframes", "resets", "segments", "warnings", "duration_s", "frames_per_second",
-          "stages_ms", "matches_per_frame", "peak_memory_mb", "isa", "weights", "options",
-          "preset", "preset_from", "option_origins"}) {
+          "stages_ms", "matches_per_frame", "peak_memory_mb", "isa", "weights", "options", "preset",
+          "preset_from", "option_origins"}) {
       EXPECT_TRUE(metrics.contains(key)) << key;
     }
     if (method == "superglue") {

@@ -99,11 +99,11 @@ class RecoveryTest : public ::testing::Test {
   RecoveryTest()
       : frontend_(RectifiedRig(),
                   std::make_unique<ScriptedExtractor>(std::deque<nn::Features>{
-                      Named({{1, 40, 20}}), Named({}),     // key frame
-                      Named({{2, 10, 20}}), Named({}),     // sees nothing of it
-                      Named({{1, 41, 20}}), Named({}),     // sees it again
-                      Named({{9, 10, 10}}), Named({}),     // nothing
-                      Named({{1, 42, 20}}), Named({})}),   // and again
+                      Named({{1, 40, 20}}), Named({}),    // key frame
+                      Named({{2, 10, 20}}), Named({}),    // sees nothing of it
+                      Named({{1, 41, 20}}), Named({}),    // sees it again
+                      Named({{9, 10, 10}}), Named({}),    // nothing
+                      Named({{1, 42, 20}}), Named({})}),  // and again
                   std::make_unique<NoMatcher>(), std::make_unique<NameMatcher>(), {}) {
     id_ = frontend_.Track(Frame(1)).observations[0].track_id;
     frontend_.Accept({.is_keyframe = true, .starts_segment = true});
