@@ -10,11 +10,6 @@ namespace gluevo::simulation {
 /// cell of every pattern is drawn from the seed and its own place, so nothing repeats but what
 /// Mirrored makes repeat. All of them carry value noise at several scales, down to a centimetre.
 
-/// Smooth noise of several octaves, mean about 0.5: wavelengths from `coarsest_m` halving down to
-/// `finest_m`, each weighing `persistence` times the one before.
-double Noise(double u, double v, double coarsest_m, double finest_m, double persistence,
-             uint64_t seed);
-
 Pattern Bricks(uint64_t seed);
 /// Tiles of random grays, some divided into checker boards or smaller tiles.
 Pattern Tiles(double tile_m, uint64_t seed);
