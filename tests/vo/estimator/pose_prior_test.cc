@@ -1,10 +1,11 @@
-#include "gluevo/vo/estimator/pose_prior.h"
+#include "pose_prior_factor.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <vector>
 
+#include "pose_manifold.h"
 #include "vo/scene.h"
 
 namespace gluevo::vo {

@@ -10,6 +10,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
+#include "gluevo/vo/io/trajectory_file.h"
 
 namespace gluevo::vo {
 namespace {

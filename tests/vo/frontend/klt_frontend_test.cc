@@ -33,8 +33,9 @@ TEST(KltFrontEndTest, RightViewsLieInFrontOfTheCameras) {
 TEST(KltFrontEndTest, ARefusedImageChangesNothing) {
   KltFrontEnd frontend(testing::RectifiedRig(), kSmall);
   const TrackedFrame first = frontend.Track(Frame(1, -3.0));
-  for (const cv::Mat& wrong :
-       {cv::Mat::zeros(40, 64, CV_8UC1), cv::Mat::zeros(48, 64, CV_8UC3), cv::Mat()}) {
+  const cv::Mat wrong_ones[] = {cv::Mat::zeros(40, 64, CV_8UC1), cv::Mat::zeros(48, 64, CV_8UC3),
+                                cv::Mat()};
+  for (const cv::Mat& wrong : wrong_ones) {
     StereoFrame bad = Frame(2, -3.0);
     bad.images[1] = wrong;
     EXPECT_THROW(frontend.Track(bad), Error);

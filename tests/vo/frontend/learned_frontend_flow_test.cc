@@ -99,9 +99,9 @@ TEST(LearnedFrontEndFlowTest, TheLastKeyframeGivesLostTracksBack) {
         {Named({{1, 30, 24}}), Named({}), Named({}), Named({}), Named({{1, 31, 24}}), Named({})},
         SmallWindows({.rematch_keyframe = rematch}));
     const Observation first = Only(frontend->Track(Frame(1, 0, 0, 0)));
-    frontend->Accept(true);
+    frontend->Accept({.is_keyframe = true});
     EXPECT_TRUE(frontend->Track(Frame(2, 0, 0, 0)).observations.empty());
-    frontend->Accept(false);
+    frontend->Accept({});
     const Observation third = Only(frontend->Track(Frame(3, 1.2, 0, 0)));
     EXPECT_EQ(third.track_id == first.track_id, rematch);
     if (rematch) {
@@ -116,11 +116,11 @@ TEST(LearnedFrontEndFlowTest, RetryTriesKeyframesTheNewestFirst) {
        Named({{1, 30, 24}, {2, 20, 20}}), Named({}), Named({{1, 30, 24}}), Named({})},
       SmallWindows({.recovery_keyframes = 5}), std::make_unique<testing::NoMatcher>());
   const int64_t one = Only(frontend->Track(Frame(1, 0, 0, 0))).track_id;
-  frontend->Accept(true);
+  frontend->Accept({.is_keyframe = true});
   const int64_t two = Only(frontend->Track(Frame(2, 0, 0, 0))).track_id;
-  frontend->Accept(true);
+  frontend->Accept({.is_keyframe = true});
   frontend->Track(Frame(3, 0, 0, 0));
-  frontend->Accept(false);
+  frontend->Accept({});
   const auto has = [](const TrackedFrame& frame, int64_t track) {
     return std::any_of(frame.observations.begin(), frame.observations.end(),
                        [&](const Observation& o) { return o.track_id == track; });
@@ -139,7 +139,7 @@ TEST(LearnedFrontEndFlowTest, RetryTriesKeyframesTheNewestFirst) {
   }
   EXPECT_FALSE(frontend->Retry().has_value());
   // Nothing helped, the estimator starts again: old key frames are of no use to it.
-  frontend->Accept(true);
+  frontend->Accept({.is_keyframe = true});
   frontend->Track(Frame(5, 0, 0, 0));
   ASSERT_TRUE(frontend->Retry().has_value());
   EXPECT_FALSE(frontend->Retry().has_value());
@@ -151,10 +151,10 @@ TEST(LearnedFrontEndFlowTest, OpticalFlowCarriesTracksBetweenNetworkFrames) {
                     Named({{1, 30, 24}}), Named({{1, 33, 24}}), Named({{1, 30, 24}})},
                    SmallWindows({.network_every = 3}));
   const Observation first = Only(frontend->Track(Frame(1, 0, 0, 3)));
-  frontend->Accept(false);
+  frontend->Accept({});
   for (int i = 1; i <= 2; ++i) {
     const TrackedFrame followed = frontend->Track(Frame(1 + i, 1.1 * i, 0, 3));
-    frontend->Accept(false);
+    frontend->Accept({});
     EXPECT_FALSE(followed.stages_ms.contains("superpoint"));
     EXPECT_EQ(Only(followed).track_id, first.track_id);
     EXPECT_NEAR(Only(followed).left_pixel.x(), 30 + 1.1 * i, 0.1);
@@ -166,7 +166,7 @@ TEST(LearnedFrontEndFlowTest, OpticalFlowCarriesTracksBetweenNetworkFrames) {
   EXPECT_EQ(Only(matched).track_id, first.track_id);
   EXPECT_NEAR(Only(matched).left_pixel.x(), 33.3, 0.1);
   // A key frame without networks asks for them in the next one, and so does a failure.
-  frontend->Accept(true);
+  frontend->Accept({.is_keyframe = true});
   EXPECT_FALSE(frontend->Track(Frame(5, 3.3, 0, 3)).stages_ms.contains("superpoint"));
   const auto retried = frontend->Retry();
   ASSERT_TRUE(retried.has_value());

@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "imu.h"
 
 namespace gluevo::simulation {

@@ -1,0 +1,1 @@
+#error "public headers are free of the solver"
