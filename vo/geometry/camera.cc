@@ -6,22 +6,6 @@
 #include "gluevo/nn/error.h"
 
 namespace gluevo::vo {
-namespace {
-
-const DistortionModel& ModelOf(Distortion distortion) {
-  switch (distortion) {
-    case Distortion::kRadialTangential:
-      return kRadialTangentialModel;
-    case Distortion::kEquidistant:
-      return kEquidistantModel;
-    case Distortion::kNone:
-      break;
-  }
-  return kNoDistortion;
-}
-
-}  // namespace
-
 void Camera::Validate(const std::string& what) const {
   if (width <= 0 || height <= 0) {
     throw Error(what + ": the image size " + std::to_string(width) + "x" + std::to_string(height) +

@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "gluevo/vo/geometry/camera.h"
+
 // One file a model. A model is a table of functions; the table of models is in distortion_model.cc.
 namespace gluevo::vo {
 
@@ -23,6 +25,8 @@ struct DistortionModel {
 
 /// Both coordinates NaN.
 Eigen::Vector2d NoPoint();
+
+const DistortionModel& ModelOf(Distortion distortion);
 
 extern const DistortionModel kNoDistortion;
 extern const DistortionModel kRadialTangentialModel;

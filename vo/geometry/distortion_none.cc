@@ -1,5 +1,3 @@
-#include <limits>
-
 #include "distortion_model.h"
 
 namespace gluevo::vo {
@@ -14,10 +12,6 @@ Eigen::Vector2d Undistort(const DistortionCoefficients& /*none*/, const Eigen::V
 }
 
 }  // namespace
-
-Eigen::Vector2d NoPoint() {
-  return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
-}
 
 const DistortionModel kNoDistortion = {&Distort, &Undistort};
 

@@ -48,44 +48,43 @@ cv::Mat ReadGray(const fs::path& path) {
   return image;
 }
 
-DatasetFormat Recognize(const fs::path& root) {
-  if (IsEuroc(root)) {
-    return DatasetFormat::kEuroc;
+struct Format {
+  DatasetFormat name;
+  bool (*is)(const fs::path& root);
+  Dataset (*open)(const fs::path& root, const DatasetOptions& options);
+  bool takes_calibration;
+};
+
+// In the order in which they are recognised.
+constexpr Format kFormats[] = {
+    {DatasetFormat::kEuroc, &IsEuroc, &OpenEuroc, true},
+    {DatasetFormat::kKittiOdometry, &IsKittiOdometry, &OpenKittiOdometry, false},
+    {DatasetFormat::kKittiRaw, &IsKittiRaw, &OpenKittiRaw, false},
+    {DatasetFormat::kPlain, &IsPlain, &OpenPlain, true},
+};
+
+const Format& FormatOf(const fs::path& root, const DatasetOptions& options) {
+  const auto* const found =
+      std::find_if(std::begin(kFormats), std::end(kFormats), [&](const Format& format) {
+        return options.format ? format.name == *options.format : format.is(root);
+      });
+  if (found == std::end(kFormats)) {
+    throw Error(root.string() +
+                ": no data set that is known: looked for mav0 or cam0/data.csv (EuRoC, TUM-VI), "
+                "image_0 and calib.txt (KITTI odometry), image_00/data (KITTI raw), left and "
+                "right, cam0 and cam1 or image_0 and image_1 (plain)");
   }
-  if (IsKittiOdometry(root)) {
-    return DatasetFormat::kKittiOdometry;
-  }
-  if (IsKittiRaw(root)) {
-    return DatasetFormat::kKittiRaw;
-  }
-  if (IsPlain(root)) {
-    return DatasetFormat::kPlain;
-  }
-  throw Error(root.string() +
-              ": no data set that is known: looked for mav0 or cam0/data.csv (EuRoC, TUM-VI), "
-              "image_0 and calib.txt (KITTI odometry), image_00/data (KITTI raw), left and right, "
-              "cam0 and cam1 or image_0 and image_1 (plain)");
+  return *found;
 }
 
 Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
-  const DatasetFormat format = options.format ? *options.format : Recognize(root);
-  if (options.calibration &&
-      (format == DatasetFormat::kKittiOdometry || format == DatasetFormat::kKittiRaw)) {
+  const Format& format = FormatOf(root, options);
+  if (options.calibration && !format.takes_calibration) {
     throw Error(root.string() +
                 ": a KITTI data set has its own calibration: --calibration is for plain (--format "
                 "plain) and EuRoC data sets");
   }
-  switch (format) {
-    case DatasetFormat::kEuroc:
-      return OpenEuroc(root, options);
-    case DatasetFormat::kKittiOdometry:
-      return OpenKittiOdometry(root, options);
-    case DatasetFormat::kKittiRaw:
-      return OpenKittiRaw(root, options);
-    case DatasetFormat::kPlain:
-      break;
-  }
-  return OpenPlain(root, options);
+  return format.open(root, options);
 }
 
 }  // namespace
