@@ -6,7 +6,7 @@ cd "$(dirname "$0")/.."
 
 mapfile -t packages < cmake/packages.txt
 bash cmake/install_packages.sh "${packages[@]}" chromium clang-format colmap git \
-  libbenchmark-dev libgtest-dev
+  libbenchmark-dev libgtest-dev python3-h5py
 python=$(bash tests/install_python_tools.sh) || python=python3
 # What another checkout of the repo has compiled need not be compiled again.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1

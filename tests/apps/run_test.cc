@@ -125,8 +125,8 @@ TEST_F(RunTest, SaysWhereEachOptionsValueComesFrom) {
 
 TEST_F(RunTest, RefusesABadOutputBeforeTheFirstFrame) {
   const fs::path root = MakeKitti();
-  // The first image cannot be read: whoever looks at it first complains of it.
-  std::ofstream(ImagePath(root, 0, 0), std::ios::binary) << "broken";
+  // The first frame cannot be read: whoever looks at it first complains of it.
+  std::ofstream(ImagePath(root, 1, 0), std::ios::binary) << "broken";
   const std::string file = Write("taken", "kept");
   for (const std::string& output : {file, file + "/below"}) {
     const Outcome outcome = Run("run " + root.string() + " --method klt -o " + output);

@@ -99,12 +99,7 @@ StereoRig MatchStoreReader::ReadRig() const {
       throw Error(file_->Place("rig") + " is malformed: no size or no distortion of camera " +
                   std::to_string(i));
     }
-    camera.width = static_cast<int>(row[0]);
-    camera.height = static_cast<int>(row[1]);
-    camera.fx = row[2];
-    camera.fy = row[3];
-    camera.cx = row[4];
-    camera.cy = row[5];
+    camera = {static_cast<int>(row[0]), static_cast<int>(row[1]), row[2], row[3], row[4], row[5]};
     camera.distortion = static_cast<Distortion>(static_cast<int>(row[6]));
     std::copy_n(row + 7, camera.coefficients.size(), camera.coefficients.begin());
     rig.body_from_cam[i].rotation.coeffs() = Eigen::Vector4d(row[12], row[13], row[14], row[15]);

@@ -102,12 +102,7 @@ StereoRig UnrectifiedRig(const KittiCalibration& calibration, const std::array<i
     const std::vector<double>& r = calibration.Get("R" + Suffix(side), 9);
     const std::vector<double>& t = calibration.Get("T" + Suffix(side), 3);
     Camera& camera = rig.cameras[side];
-    camera.width = size[0];
-    camera.height = size[1];
-    camera.fx = k[0];
-    camera.fy = k[4];
-    camera.cx = k[2];
-    camera.cy = k[5];
+    camera = {size[0], size[1], /*fx=*/k[0], /*fy=*/k[4], /*cx=*/k[2], /*cy=*/k[5]};
     camera.distortion = Distortion::kRadialTangential;
     std::copy(d.begin(), d.end(), camera.coefficients.begin());
     camera.Validate(calibration.path().string() + ": K" + Suffix(side));

@@ -86,12 +86,7 @@ StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std
   for (std::size_t side = 0; side < 2; ++side) {
     const std::vector<double>& p = calibration.Get(keys[side], 12);
     Camera& camera = rig.cameras[side];
-    camera.width = size[0];
-    camera.height = size[1];
-    camera.fx = p[0];
-    camera.fy = p[5];
-    camera.cx = p[2];
-    camera.cy = p[6];
+    camera = {size[0], size[1], /*fx=*/p[0], /*fy=*/p[5], /*cx=*/p[2], /*cy=*/p[6]};
     camera.Validate(calibration.path().string() + ": " + keys[side]);
     const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> projection(p.data());
     Eigen::Matrix3d intrinsics;

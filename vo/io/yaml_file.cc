@@ -125,15 +125,11 @@ Camera CameraFromYaml(const YAML::Node& node, const fs::path& path) {
     throw Error(path.string() + ": camera model " + Quoted(*model) +
                 " is not supported, expected pinhole");
   }
-  Camera camera;
   const std::vector<double> resolution = YamlNumbers(node, "resolution", 2, path);
-  camera.width = YamlSize(resolution[0], "resolution", path);
-  camera.height = YamlSize(resolution[1], "resolution", path);
-  const std::vector<double> intrinsics = YamlNumbers(node, "intrinsics", 4, path);
-  camera.fx = intrinsics[0];
-  camera.fy = intrinsics[1];
-  camera.cx = intrinsics[2];
-  camera.cy = intrinsics[3];
+  const int width = YamlSize(resolution[0], "resolution", path);
+  const int height = YamlSize(resolution[1], "resolution", path);
+  const std::vector<double> k = YamlNumbers(node, "intrinsics", 4, path);
+  Camera camera = {width, height, /*fx=*/k[0], /*fy=*/k[1], /*cx=*/k[2], /*cy=*/k[3]};
   const std::optional<std::string> distortion = YamlText(node, "distortion_model", path);
   if (!distortion) {
     throw Error(path.string() + ": no distortion_model");
@@ -198,12 +194,9 @@ StereoRig RigFromOpenCv(const YAML::Node& root, const fs::path& path) {
     const std::vector<double> k =
         YamlNumbers(root, (root["M" + number] ? "M" : "K") + number, 9, path);
     Camera& camera = rig.cameras[side];
-    camera.width = YamlSize(size[0], "the image width", path);
-    camera.height = YamlSize(size[1], "the image height", path);
-    camera.fx = k[0];
-    camera.fy = k[4];
-    camera.cx = k[2];
-    camera.cy = k[5];
+    const int width = YamlSize(size[0], "the image width", path);
+    const int height = YamlSize(size[1], "the image height", path);
+    camera = {width, height, /*fx=*/k[0], /*fy=*/k[4], /*cx=*/k[2], /*cy=*/k[5]};
     camera.distortion = distortion;
     if (distortion != Distortion::kNone) {
       const std::vector<double> d = YamlNumbers(root, "D" + number, 0, path);

@@ -139,7 +139,7 @@ TEST(LearnedFrontEndFlowTest, RetryTriesKeyframesTheNewestFirst) {
   }
   EXPECT_FALSE(frontend->Retry().has_value());
   // Nothing helped, the estimator starts again: old key frames are of no use to it.
-  frontend->Accept({.is_keyframe = true});
+  frontend->Accept({.is_keyframe = true, .starts_segment = true});
   frontend->Track(Frame(5, 0, 0, 0));
   ASSERT_TRUE(frontend->Retry().has_value());
   EXPECT_FALSE(frontend->Retry().has_value());

@@ -9,8 +9,8 @@ namespace gluevo::vo {
 /// computes nothing that cannot be kept.
 void MakeOutputDirectory(const std::filesystem::path& directory);
 
-/// The same for as long as it lives: at its end a directory that it made, and into which nothing was
-/// put, goes again.
+/// The same for as long as it lives: at its end a directory that it made, and into which nothing
+/// was put, goes again.
 class OutputDirectory {
  public:
   explicit OutputDirectory(std::filesystem::path path);
