@@ -5,7 +5,7 @@ set -euo pipefail
 exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'nn_(.*_)?thread_pool_test' \
   'nn_(.*_)?(keypoint_selection|step_progress)_test' \
-  'nn_(.*_)?(superglue|superpoint|steady_state)_test' \
+  'nn_(.*_)?(superglue|superpoint)_test' \
   'vo_frontend_.*' \
   'vo_pipeline_.*' \
   'vo_simulation_.*'

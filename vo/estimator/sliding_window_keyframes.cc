@@ -36,13 +36,15 @@ double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
   double sum = 0.0;
   int count = 0;
   for (const auto& [id, landmark] : landmarks_) {
-    const auto see = [&](int64_t frame_id) {
-      return std::find_if(landmark.views.begin(), landmark.views.end(),
-                          [&](const LandmarkView& view) { return view.frame_id == frame_id; });
+    const auto& views = landmark.views;
+    const auto see = [&views](int64_t frame_id) {
+      return std::find_if(views.begin(), views.end(), [frame_id](const LandmarkView& view) {
+        return view.frame_id == frame_id;
+      });
     };
     const auto view0 = see(frame_id0);
     const auto view1 = see(frame_id1);
-    if (view0 != landmark.views.end() && view1 != landmark.views.end()) {
+    if (view0 != views.end() && view1 != views.end()) {
       sum += (view1->left - view0->left).norm();
       ++count;
     }
