@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # Builds the test programs whose names match the patterns with a sanitising preset, and runs them.
-# A pattern that matches none is an error: the tests were renamed.
-#   tests/gates/sanitized_tests.sh PRESET PATTERN...
+# A pattern that matches none is an error: the tests were renamed. After a colon stands which of
+# a program's tests run, as --gtest_filter takes it.
+#   tests/gates/sanitized_tests.sh PRESET PATTERN[:FILTER]...
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 preset=$1
@@ -12,14 +13,17 @@ export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
 cmake --preset "$preset" >/dev/null
 programs=$(ninja -C "build/$preset" -t targets all | sed -nE 's/^([a-z0-9_]+_test): phony$/\1/p' |
   grep -v '^cmake_object_order_' | sort -u)
-selected=()
-for pattern in "$@"; do
+declare -A filters
+for argument in "$@"; do
+  pattern=${argument%%:*}
   mapfile -t matching < <(grep -Ex "$pattern" <<<"$programs")
   if [ ${#matching[@]} -eq 0 ]; then
     echo "no test program matches $pattern" >&2
     exit 1
   fi
-  selected+=("${matching[@]}")
+  for program in "${matching[@]}"; do
+    filters[$program]=${argument:${#pattern}+1}
+  done
 done
 
 # Addresses in shadow memory are fixed: the sanitisers of clang 14 do not start where a kernel
@@ -33,15 +37,14 @@ export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
 export UBSAN_OPTIONS=print_stacktrace=1
 export LSAN_OPTIONS=suppressions=$suppressions/leak.txt:print_suppressions=0
 export TSAN_OPTIONS=suppressions=$suppressions/thread.txt:second_deadlock_stack=1
-"${fixed_addresses[@]}" cmake --build --preset "$preset" --target "${selected[@]}"
-# Each is a test of its own here, whatever else was built before.
-tests=$(printf '%s\n' "${selected[@]}" | sort -u)
-rm -rf "build/$preset/gate"
-mkdir -p "build/$preset/gate"
-while read -r program; do
-  path=$(find "build/$preset/tests" -type f -name "$program" -perm -u+x)
-  # Relative to the CTestTestfile.cmake beside it.
-  echo "add_test($program \"$PWD/$path\" --gtest_brief=1)"
-done <<<"$tests" >"build/$preset/gate/CTestTestfile.cmake"
-"${fixed_addresses[@]}" ctest --test-dir "build/$preset/gate" --output-on-failure \
-  --no-tests=error --timeout 900 -j "$(nproc)"
+"${fixed_addresses[@]}" cmake --build --preset "$preset" --target "${!filters[@]}"
+
+# A list of tests with these programs alone, whatever else was built before.
+gate=build/$preset/gate
+mkdir -p "$gate"
+for program in "${!filters[@]}"; do
+  path=$(find "$PWD/build/$preset/tests" -type f -name "$program" -perm -u+x)
+  echo "add_test($program \"$path\" --gtest_brief=1 \"--gtest_filter=${filters[$program]:-*}\")"
+done | sort >"$gate/CTestTestfile.cmake"
+"${fixed_addresses[@]}" ctest --test-dir "$gate" --output-on-failure --no-tests=error \
+  --timeout 900 -j "$(nproc)"

@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # The thread pool and all that runs on it or on threads of its own, under the thread sanitiser: the
-# networks with their kernels, the front ends, the whole pipeline, and the renderer.
+# networks with their kernels, the front ends, the pipeline on a few real images where they are
+# there, and the renderer.
 set -euo pipefail
 exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'nn_(.*_)?thread_pool_test' \
   'nn_(.*_)?(keypoint_selection|step_progress)_test' \
   'nn_(.*_)?(superglue|superpoint)_test' \
   'vo_frontend_.*' \
-  'vo_pipeline_.*' \
+  'vo_pipeline_end_to_end_test:*StandingStill*' \
   'vo_simulation_.*'
