@@ -16,7 +16,7 @@ programs=$(ninja -C "build/$preset" -t targets all | sed -nE 's/^([a-z0-9_]+_tes
 declare -A filters
 for argument in "$@"; do
   pattern=${argument%%:*}
-  mapfile -t matching < <(grep -Ex "$pattern" <<<"$programs")
+  mapfile -t matching < <(grep -Px "$pattern" <<<"$programs")
   if [ ${#matching[@]} -eq 0 ]; then
     echo "no test program matches $pattern" >&2
     exit 1
