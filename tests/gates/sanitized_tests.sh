@@ -35,7 +35,6 @@ fi
 suppressions=$PWD/tests/gates/suppressions
 export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
 export UBSAN_OPTIONS=print_stacktrace=1
-export LSAN_OPTIONS=suppressions=$suppressions/leak.txt:print_suppressions=0
 export TSAN_OPTIONS=suppressions=$suppressions/thread.txt:second_deadlock_stack=1
 "${fixed_addresses[@]}" cmake --build --preset "$preset" --target "${!filters[@]}"
 
