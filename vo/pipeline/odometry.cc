@@ -26,6 +26,12 @@ TrackedFrame WithoutNonFinite(TrackedFrame frame) {
   return frame;
 }
 
+// Options are checked before anything is made of them.
+const OdometryConfig& Checked(const OdometryConfig& config) {
+  config.Validate();
+  return config;
+}
+
 }  // namespace
 
 struct Odometry::FramePose {
@@ -35,13 +41,11 @@ struct Odometry::FramePose {
 };
 
 Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
-    : pool_(std::make_unique<nn::ThreadPool>(config.threads)),
+    : pool_(std::make_unique<nn::ThreadPool>(Checked(config).threads)),
       rig_(rig),
       frontend_(MakeFrontEnd(config.frontend, rig, LoadFrontEndNetworks(config.frontend), *pool_)),
       options_(config.odometry),
-      window_(std::make_unique<SlidingWindow>(rig, options_.window)) {
-  config.Validate();
-}
+      window_(std::make_unique<SlidingWindow>(rig, options_.window)) {}
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
                    const OdometryOptions& options)

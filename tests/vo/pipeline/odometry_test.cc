@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "gluevo/nn/error.h"
@@ -240,6 +241,16 @@ TEST(Odometry, OptionsAreChecked) {
   options.window.size = 2;
   EXPECT_THROW(options.Validate(), Error);
   EXPECT_THROW(Odometry(testing::SimulatedRig(), nullptr, options), Error);
+  // Before the networks are looked for.
+  OdometryConfig config;
+  config.frontend.networks.weights = "absent";
+  config.odometry.window.size = 2;
+  try {
+    Odometry(testing::SimulatedRig(), config);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("window.size"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace
