@@ -119,10 +119,11 @@ bool Odometry::Retry(TrackedFrame& tracked) {
     return false;
   }
   std::optional<TrackedFrame> retried = frontend_->Retry();
-  if (retried) {
-    tracked = WithoutNonFinite(*std::move(retried));
+  if (!retried) {
+    return false;
   }
-  return retried.has_value();
+  tracked = WithoutNonFinite(*std::move(retried));
+  return true;
 }
 
 std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {

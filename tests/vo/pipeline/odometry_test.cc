@@ -25,6 +25,7 @@ Rigid3 FlightPose(double t) {
 
 std::vector<Rigid3> Flight(int frames) {
   std::vector<Rigid3> poses;
+  poses.reserve(frames);
   for (int i = 0; i < frames; ++i) {
     poses.push_back(FlightPose(0.1 * i));
   }
@@ -128,6 +129,7 @@ TEST(Odometry, MetresBetweenFrames) {
   // Every 12th frame of the flight: 0.45 m and up to 30 degrees from one to the next, at which
   // half of the points leave the image.
   std::vector<Rigid3> truth;
+  truth.reserve(12);
   for (int i = 0; i < 12; ++i) {
     truth.push_back(FlightPose(1.2 * i));
   }
@@ -246,7 +248,7 @@ TEST(Odometry, OptionsAreChecked) {
   config.frontend.networks.weights = "absent";
   config.odometry.window.size = 2;
   try {
-    Odometry(testing::SimulatedRig(), config);
+    const Odometry odometry(testing::SimulatedRig(), config);
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("window.size"), std::string::npos) << error.what();
