@@ -1,6 +1,7 @@
 #include "dataset_options.h"
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 #include <map>
 
 namespace gluevo::apps {
@@ -48,6 +49,15 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
   options.count = arguments.count;
   options.stride = arguments.stride;
   return options;
+}
+
+void PrintNotes(const vo::Dataset& dataset) {
+  for (const std::string& note : dataset.notes) {
+    std::cerr << "gluevo: note: " << note << '\n';
+  }
+  for (const std::string& warning : dataset.warnings) {
+    std::cerr << "gluevo: warning: " << warning << '\n';
+  }
 }
 
 }  // namespace gluevo::apps

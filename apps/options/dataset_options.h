@@ -25,4 +25,7 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 
 vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments);
 
+/// How the data set was understood, and what a user should know of it, on standard error.
+void PrintNotes(const vo::Dataset& dataset);
+
 }  // namespace gluevo::apps
