@@ -241,7 +241,8 @@ void AddMatchCommand(CLI::App& app) {
   command->add_option("INPUT", arguments->inputs, "features.h5, or two images")
       ->required()
       ->expected(1, 2);
-  command->add_option("--pairs", arguments->pairs, "Pairs to match, \"name0 name1\" a line, and what may follow");
+  command->add_option("--pairs", arguments->pairs,
+                      "Pairs to match, \"name0 name1\" a line, and what may follow");
   command->add_option("-o,--output", arguments->output, "HDF5 file to write the matches to");
   command->add_option("--draw", arguments->draw, "Image file to draw the matches of two images to");
   command->add_flag("--json", arguments->json, "Print the matches of two images as JSON");

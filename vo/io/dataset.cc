@@ -40,8 +40,8 @@ bool IsDataset(const fs::path& folder) {
 std::string DidYouMean(const fs::path& root) {
   std::vector<fs::path> folders;
   std::error_code code;
-  for (auto entry = fs::directory_iterator(root, code);
-       !code && entry != fs::directory_iterator(); entry.increment(code)) {
+  for (auto entry = fs::directory_iterator(root, code); !code && entry != fs::directory_iterator();
+       entry.increment(code)) {
     folders.push_back(entry->path());
   }
   std::sort(folders.begin(), folders.end());
