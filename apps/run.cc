@@ -207,6 +207,7 @@ void AddEvaluations(const Setup& setup, const Records& records, RunMetrics::Cont
   const vo::Trajectory& groundtruth = *setup.dataset.groundtruth;
   try {
     context.evaluation = vo::Evaluate(records.trajectory, groundtruth, {});
+    context.evaluation_warning = vo::AssociationWarning(*context.evaluation, {}).value_or("");
     context.segmented_evaluation = vo::EvaluateSegments(
         records.trajectory, records.metrics.SegmentOfFrames(), groundtruth, {});
   } catch (const Error& error) {

@@ -186,6 +186,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   if (context.segmented_evaluation) {
     AddSegmentedEvaluation(*context.segmented_evaluation, json);
   }
+  if (!context.evaluation_warning.empty()) {
+    json["evaluation_warning"] = context.evaluation_warning;
+  }
   if (!context.evaluation_failure.empty()) {
     json["evaluation_failure"] = context.evaluation_failure;
   }
@@ -202,6 +205,12 @@ std::string RunMetrics::Summary(const Context& context) const {
        << " tracked, " << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
   for (const std::string& warning : Warnings(context.method)) {
     text << "warning: " << warning << '\n';
+  }
+  if (!context.evaluation_failure.empty()) {
+    text << "warning: the ground truth is not used: " << context.evaluation_failure << '\n';
+  }
+  if (!context.evaluation_warning.empty()) {
+    text << "warning: evaluation: " << context.evaluation_warning << '\n';
   }
   if (const std::optional<vo::Evaluation>& evaluation = context.evaluation; evaluation) {
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "

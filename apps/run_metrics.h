@@ -30,6 +30,7 @@ class RunMetrics {
     OptionOrigins origins;
     std::optional<vo::Evaluation> evaluation;
     std::optional<vo::SegmentedEvaluation> segmented_evaluation;
+    std::string evaluation_warning;  ///< Why its figures say little; empty where they do.
     std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.
   };
 

@@ -4,7 +4,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "text_file.h"
 #include "yaml_file.h"
 
@@ -22,7 +22,7 @@ std::map<int64_t, fs::path> ListCamera(const fs::path& camera_folder) {
   CheckFolder(camera_folder, "a camera of a EuRoC data set");
   const fs::path csv = camera_folder / "data.csv";
   std::map<int64_t, fs::path> images;
-  for (const TextLine& line : ReadLines(csv, /*skip_comments=*/true)) {
+  for (const TextLine& line : ReadTable(csv)) {
     const auto fields = SplitFields(line.text, ',');
     const auto timestamp_ns = ParseInteger(fields[0]);
     if (fields.size() < 2 || !timestamp_ns || fields[1].empty()) {
@@ -82,15 +82,7 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   }
   const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
                                             mav0 / "mocap0" / "data.csv"};
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  } else {
-    for (const fs::path& candidate : candidates) {
-      if (!dataset.groundtruth && fs::exists(candidate)) {
-        dataset.groundtruth = ReadTrajectory(candidate);
-      }
-    }
-  }
+  AddGroundtruth(options, candidates, {}, dataset);
   return dataset;
 }
 

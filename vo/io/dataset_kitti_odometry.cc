@@ -3,6 +3,7 @@
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "kitti_files.h"
 
 namespace gluevo::vo {
@@ -38,15 +39,7 @@ Dataset OpenKittiOdometry(const fs::path& root, const DatasetOptions& options) {
   }
   dataset.rig = RectifiedRig(KittiCalibration(root / "calib.txt"), {"P0", "P1"},
                              ImageSize(pairs.front().images[0]));
-  const fs::path poses = PosesOfSequence(FolderPath(root));
-  if (options.groundtruth) {
-    dataset.groundtruth =
-        RecognizeTrajectoryFormat(*options.groundtruth) == TrajectoryFormat::kKitti
-            ? ReadKittiTrajectory(*options.groundtruth, times)
-            : ReadTrajectory(*options.groundtruth);
-  } else if (fs::exists(poses)) {
-    dataset.groundtruth = ReadKittiTrajectory(poses, times);
-  }
+  AddGroundtruth(options, {PosesOfSequence(FolderPath(root))}, times, dataset);
   return dataset;
 }
 

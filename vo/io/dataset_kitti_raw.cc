@@ -8,7 +8,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "kitti_files.h"
 #include "text_file.h"
 #include "yaml_file.h"
@@ -163,9 +163,7 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
     dataset.entries.push_back({*times[pair.number], pair.images});
   }
   dataset.rig = ReadRig(KittiCalibration(FindCalibration(root)), pairs.front().images[0]);
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  }
+  AddGroundtruth(options, {}, {}, dataset);
   return dataset;
 }
 

@@ -5,7 +5,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "text_file.h"
 #include "yaml_file.h"
 
@@ -134,9 +134,7 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
                 (*folders)[1].string());
   }
   dataset.entries = WithTimes(pairs);
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  }
+  AddGroundtruth(options, {}, {}, dataset);
   return dataset;
 }
 

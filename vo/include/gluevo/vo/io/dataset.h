@@ -51,6 +51,8 @@ struct Dataset {
   std::vector<Entry> entries;
   /// Poses of the rig's body; absent where the data set has none.
   std::optional<Trajectory> groundtruth;
+  /// What a user should know before a run, a sentence each.
+  std::vector<std::string> warnings;
 
   /// Throws Error naming the image where it cannot be read or has another size than its camera.
   StereoFrame Read(std::size_t index) const;
