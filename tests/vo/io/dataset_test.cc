@@ -271,10 +271,6 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
   ExpectContains(yaml("0.0, 0.0, 0.0, 1.0]", "1.0]"), {"T_BS has 13 numbers"});
   ExpectContains(yaml("[32, 24]", "[32, 24"), {"sensor.yaml:", "not YAML"});
   ExpectContains(yaml("0.21", "0.10"), {"in the same place"});
-  ExpectContains(broken([](const fs::path& mav0) {
-                   WriteText(mav0 / "state_groundtruth_estimate0" / "data.csv", "1,2,3\n");
-                 }),
-                 {"state_groundtruth_estimate0/data.csv:1: "});
 }
 
 TEST_F(DatasetTest, NamesImagesThatCannotBeRead) {
