@@ -139,6 +139,9 @@ void ExamineLoose(const fs::path& root, const DoctorOptions& options, Findings& 
 void ExamineOpened(const Dataset& dataset, const DoctorOptions& options, Findings& findings) {
   findings.push_back({Verdict::kGood, "layout", LayoutName(dataset.format), ""});
   findings.push_back({Verdict::kGood, "stereo pairs", std::to_string(dataset.entries.size()), ""});
+  for (const std::string& note : dataset.notes) {
+    findings.push_back({Verdict::kGood, "on opening", note, ""});
+  }
   for (const std::string& warning : dataset.warnings) {
     findings.push_back({Verdict::kSuspicious, "on opening", warning, ""});
   }
