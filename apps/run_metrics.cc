@@ -112,6 +112,8 @@ RunReport RunMetrics::Report(const Context& context) const {
   report.method = context.method;
   report.frames = frames_;
   report.warnings = Warnings(context.method);
+  report.warnings.insert(report.warnings.begin(), context.dataset_warnings.begin(),
+                         context.dataset_warnings.end());
   report.evaluation = context.evaluation;
   report.evaluation_failure = context.evaluation_failure;
   report.duration_s = Duration();
@@ -153,6 +155,10 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
     begin = end;
   }
   json["warnings"] = Warnings(context.method);
+  for (const std::string& warning : context.dataset_warnings) {
+    json["warnings"].push_back(warning);
+  }
+  json["images_left_out"] = context.images_left_out;
   const double duration = Duration();
   json["duration_s"] = duration;
   json["frames_per_second"] = duration > 0.0 ? static_cast<double>(frames_.size()) / duration : 0.0;
@@ -186,6 +192,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   if (context.segmented_evaluation) {
     AddSegmentedEvaluation(*context.segmented_evaluation, json);
   }
+  if (!context.evaluation_warning.empty()) {
+    json["evaluation_warning"] = context.evaluation_warning;
+  }
   if (!context.evaluation_failure.empty()) {
     json["evaluation_failure"] = context.evaluation_failure;
   }
@@ -202,6 +211,12 @@ std::string RunMetrics::Summary(const Context& context) const {
        << " tracked, " << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
   for (const std::string& warning : Warnings(context.method)) {
     text << "warning: " << warning << '\n';
+  }
+  if (!context.evaluation_failure.empty()) {
+    text << "warning: the ground truth is not used: " << context.evaluation_failure << '\n';
+  }
+  if (!context.evaluation_warning.empty()) {
+    text << "warning: evaluation: " << context.evaluation_warning << '\n';
   }
   if (const std::optional<vo::Evaluation>& evaluation = context.evaluation; evaluation) {
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "command_line.h"
@@ -13,6 +14,8 @@ struct DatasetArguments {
   std::string format;                 ///< Recognised where empty.
   std::filesystem::path calibration;  ///< Empty for the data set's own.
   std::filesystem::path groundtruth;  ///< Empty for the data set's own.
+  std::optional<double> rate_hz;      ///< Of data sets without times.
+  std::optional<double> pair_tolerance_s;
   int start = 0;
   int count = -1;  ///< All.
   int stride = 1;
@@ -21,5 +24,8 @@ struct DatasetArguments {
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 
 vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments);
+
+/// How the data set was understood, and what a user should know of it, on standard error.
+void PrintNotes(const vo::Dataset& dataset);
 
 }  // namespace gluevo::apps

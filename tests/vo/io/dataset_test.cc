@@ -74,7 +74,7 @@ class DatasetTest : public testing::Test {
     for (int camera = 0; camera < 2; ++camera) {
       const fs::path root = mav0 / ("cam" + std::to_string(camera));
       std::string csv = "#timestamp [ns],filename\r\n";
-      for (int time : {100, 200, 300, 400, 500 + camera}) {
+      for (int time : {100, 200, 300, 400, 500 + 50 * camera}) {
         const std::string name = std::to_string(time) + (time == 200 ? ".jpg" : ".png");
         WriteImage(root / "data" / name, time / 4 + camera);
         csv += std::to_string(time) + "," + name + "\r\n";
@@ -271,10 +271,6 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
   ExpectContains(yaml("0.0, 0.0, 0.0, 1.0]", "1.0]"), {"T_BS has 13 numbers"});
   ExpectContains(yaml("[32, 24]", "[32, 24"), {"sensor.yaml:", "not YAML"});
   ExpectContains(yaml("0.21", "0.10"), {"in the same place"});
-  ExpectContains(broken([](const fs::path& mav0) {
-                   WriteText(mav0 / "state_groundtruth_estimate0" / "data.csv", "1,2,3\n");
-                 }),
-                 {"state_groundtruth_estimate0/data.csv:1: "});
 }
 
 TEST_F(DatasetTest, NamesImagesThatCannotBeRead) {
