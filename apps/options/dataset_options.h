@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "command_line.h"
 #include "gluevo/vo/io/dataset.h"
@@ -10,9 +11,9 @@ namespace gluevo::apps {
 
 /// How a command opens a data set, and which of its frames it takes.
 struct DatasetArguments {
-  std::string format;                 ///< Recognised where empty.
-  std::filesystem::path calibration;  ///< Empty for the data set's own.
-  std::filesystem::path groundtruth;  ///< Empty for the data set's own.
+  std::string format;                              ///< Recognised where empty.
+  std::vector<std::filesystem::path> calibration;  ///< At most two; empty for the data set's own.
+  std::filesystem::path groundtruth;               ///< Empty for the data set's own.
   int start = 0;
   int count = -1;  ///< All.
   int stride = 1;

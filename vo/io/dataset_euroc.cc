@@ -6,7 +6,6 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "text_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -38,22 +37,14 @@ std::map<int64_t, fs::path> ListCamera(const fs::path& camera_folder) {
   return images;
 }
 
-StereoRig ReadRig(const fs::path& mav0) {
-  const fs::path sensor_files[] = {mav0 / "cam0" / "sensor.yaml", mav0 / "cam1" / "sensor.yaml"};
+std::vector<fs::path> OwnCalibration(const fs::path& mav0) {
+  const fs::path sensor_file = mav0 / "cam0" / "sensor.yaml";
   // TUM-VI's.
   const fs::path camchain = FolderPath(mav0).parent_path() / "dso" / "camchain.yaml";
-  if (!fs::exists(sensor_files[0]) && fs::exists(camchain)) {
-    return RigFromCamchain(camchain);
+  if (!fs::exists(sensor_file) && fs::exists(camchain)) {
+    return {camchain};
   }
-  StereoRig rig;
-  rig.body_frame = "imu (body)";
-  for (std::size_t side = 0; side < 2; ++side) {
-    const fs::path& file = sensor_files[side];
-    const YAML::Node node = ReadYaml(file);
-    rig.cameras[side] = CameraFromYaml(node, file);
-    rig.body_from_cam[side] = RigidFromRows(YamlNumbers(node, "T_BS", 0, file), "T_BS", file);
-  }
-  return rig;
+  return {sensor_file, mav0 / "cam1" / "sensor.yaml"};
 }
 
 }  // namespace
@@ -70,7 +61,6 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   dataset.format = DatasetFormat::kEuroc;
   const std::map<int64_t, fs::path> left = ListCamera(mav0 / "cam0");
   const std::map<int64_t, fs::path> right = ListCamera(mav0 / "cam1");
-  dataset.rig = options.calibration ? RigFromCalibration(*options.calibration) : ReadRig(mav0);
   // A few images of either camera have no mate in the published sequences: they are left out.
   for (const auto& [timestamp_ns, image] : left) {
     if (const auto mate = right.find(timestamp_ns); mate != right.end()) {
@@ -80,6 +70,7 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   if (dataset.entries.empty()) {
     throw Error(mav0.string() + ": no image of cam0 has the same time as one of cam1");
   }
+  SetCalibration(options.calibration ? CalibrationFiles(options) : OwnCalibration(mav0), dataset);
   const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
                                             mav0 / "mocap0" / "data.csv"};
   if (options.groundtruth) {

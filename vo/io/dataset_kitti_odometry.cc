@@ -36,7 +36,8 @@ Dataset OpenKittiOdometry(const fs::path& root, const DatasetOptions& options) {
     }
     dataset.entries.push_back({times[pair.number], pair.images});
   }
-  dataset.rig = RectifiedRig(KittiCalibration(root / "calib.txt"), {"P0", "P1"},
+  dataset.calibration = root / "calib.txt";
+  dataset.rig = RectifiedRig(KittiCalibration(dataset.calibration), {"P0", "P1"},
                              ImageSize(pairs.front().images[0]));
   const fs::path poses = PosesOfSequence(FolderPath(root));
   if (options.groundtruth) {

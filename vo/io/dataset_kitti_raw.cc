@@ -162,7 +162,8 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
     }
     dataset.entries.push_back({*times[pair.number], pair.images});
   }
-  dataset.rig = ReadRig(KittiCalibration(FindCalibration(root)), pairs.front().images[0]);
+  dataset.calibration = FindCalibration(root);
+  dataset.rig = ReadRig(KittiCalibration(dataset.calibration), pairs.front().images[0]);
   if (options.groundtruth) {
     dataset.groundtruth = ReadTrajectory(*options.groundtruth);
   }

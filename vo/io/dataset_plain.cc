@@ -7,7 +7,6 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "text_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -117,7 +116,6 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
   Dataset dataset;
   dataset.root = root;
   dataset.format = DatasetFormat::kPlain;
-  dataset.rig = RigFromCalibration(*options.calibration);
   std::set<fs::path> right_names;
   for (const fs::path& image : ListImages((*folders)[1])) {
     right_names.insert(image.filename());
@@ -134,6 +132,7 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
                 (*folders)[1].string());
   }
   dataset.entries = WithTimes(pairs);
+  SetCalibration(CalibrationFiles(options), dataset);
   if (options.groundtruth) {
     dataset.groundtruth = ReadTrajectory(*options.groundtruth);
   }

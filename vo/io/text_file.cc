@@ -96,7 +96,10 @@ std::string ReadText(const std::filesystem::path& path) {
 }
 
 std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments) {
-  const std::string text = ReadText(path);
+  return SplitLines(ReadText(path), skip_comments);
+}
+
+std::vector<TextLine> SplitLines(std::string_view text, bool skip_comments) {
   std::string_view rest = text;
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (rest.starts_with(kByteOrderMark)) {

@@ -19,6 +19,9 @@ struct TextLine {
 /// A file's contents. Throws Error naming the file where it cannot be read.
 std::string ReadText(const std::filesystem::path& path);
 
+/// The lines of a text; those that ReadLines gives of a file.
+std::vector<TextLine> SplitLines(std::string_view text, bool skip_comments);
+
 /// All lines up to the last that is not blank; with `skip_comments` without blank ones and those
 /// that start with '#'. Throws Error where the file cannot be read.
 std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments);

@@ -27,9 +27,11 @@ enum class DatasetFormat {
 
 struct DatasetOptions {
   std::optional<DatasetFormat> format;  ///< Recognised where absent.
-  /// Kalibr camchain or OpenCV yaml: needed by kPlain, in place of sensor.yaml for kEuroc, an Error
-  /// for KITTI.
+  /// A file, or a folder with one, that ReadCalibration reads: needed by kPlain, in place of
+  /// sensor.yaml for kEuroc, an Error for KITTI.
   std::optional<std::filesystem::path> calibration;
+  /// The second file of a calibration that is in two.
+  std::optional<std::filesystem::path> calibration_mate;
   std::optional<std::filesystem::path> groundtruth;  ///< Found where the format says, if absent.
   /// Frames start, start + stride, ... at most count of them (-1: all).
   int start = 0;
@@ -48,7 +50,10 @@ struct Dataset {
   std::filesystem::path root;
   DatasetFormat format = DatasetFormat::kEuroc;
   StereoRig rig;
+  std::filesystem::path calibration;  ///< The file that the rig is from, for messages.
   std::vector<Entry> entries;
+  /// What a user should know, a sentence each.
+  std::vector<std::string> warnings;
   /// Poses of the rig's body; absent where the data set has none.
   std::optional<Trajectory> groundtruth;
 
