@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "calibration_forms.h"
-#include "dataset_formats.h"
 #include "gluevo/nn/error.h"
 #include "text_file.h"
 #include "xml_file.h"

@@ -5,7 +5,10 @@
 namespace gluevo::vo {
 namespace {
 
-bool Is(const CalibrationFile& file) { return file.Has("T_BS") && file.Has("intrinsics"); }
+bool Is(const CalibrationFile& file) {
+  // Its other sensors have T_BS, too.
+  return file.Has("T_BS") && (file.Has("intrinsics") || file.Has("resolution"));
+}
 
 void Read(const CalibrationInput& input, Calibration& calibration) {
   const std::array<CalibrationFile, 2> files = LeftAndRight(input, &Is, calibration);

@@ -64,6 +64,9 @@ std::array<CalibrationFile, 2> LeftAndRight(const CalibrationInput& input,
   const std::vector<MateName> mates = MateNames(first.path);
   if (input.named.size() > 1) {
     const CalibrationFile& second = input.named[1];
+    if (!second.syntax_error.empty()) {
+      throw Error(second.syntax_error);
+    }
     if (!is(second)) {
       throw Error(second.path.string() + ": not of the same kind as " + first.path.string() +
                   ", expected that of the other camera");
