@@ -30,7 +30,7 @@ struct CalibrationArguments {
   std::string size;  // WIDTHxHEIGHT
 };
 
-std::optional<std::array<int, 2>> ParseSize(const std::string& text) {
+std::optional<std::array<int, 2>> ParseImageSize(const std::string& text) {
   if (text.empty()) {
     return std::nullopt;
   }
@@ -85,7 +85,7 @@ void PrintCamera(const vo::Camera& camera, const char* side) {
             << FieldOfView(camera, true) << " x " << FieldOfView(camera, false) << " degrees\n";
 }
 
-void Print(const vo::Calibration& calibration) {
+void PrintCalibration(const vo::Calibration& calibration) {
   const vo::StereoRig& rig = calibration.rig;
   std::cout << std::setprecision(10) << calibration.tool << ": ";
   for (std::size_t i = 0; i < calibration.files.size(); ++i) {
@@ -110,34 +110,34 @@ void Print(const vo::Calibration& calibration) {
   }
 }
 
-void WriteText(const fs::path& path, const std::string& text) {
+void WriteCalibrationFile(const fs::path& path, const std::string& text) {
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << text; });
 }
 
-void Write(const CalibrationArguments& arguments, const vo::StereoRig& rig) {
+void WriteCalibration(const CalibrationArguments& arguments, const vo::StereoRig& rig) {
   if (rig.cameras[0].width == 0) {
     throw Error("the size of the images is not in the file: name it with --size WIDTHxHEIGHT");
   }
   if (arguments.form == "kalibr") {
-    WriteText(arguments.output, vo::KalibrText(rig));
+    WriteCalibrationFile(arguments.output, vo::KalibrText(rig));
     return;
   }
   for (std::size_t side = 0; side < 2; ++side) {
     const fs::path folder = arguments.output / ("cam" + std::to_string(side));
     vo::MakeOutputDirectory(folder);
-    WriteText(folder / "sensor.yaml", vo::SensorYamlText(rig, side));
+    WriteCalibrationFile(folder / "sensor.yaml", vo::SensorYamlText(rig, side));
   }
 }
 
-void Run(const CalibrationArguments& arguments) {
+void RunCalibration(const CalibrationArguments& arguments) {
   if (arguments.form.empty() != arguments.output.empty()) {
     throw Error("--write and -o belong together: the form and where to write it");
   }
   const vo::Calibration calibration =
-      vo::ReadCalibration(arguments.files, ParseSize(arguments.size));
-  Print(calibration);
+      vo::ReadCalibration(arguments.files, ParseImageSize(arguments.size));
+  PrintCalibration(calibration);
   if (!arguments.form.empty()) {
-    Write(arguments, calibration.rig);
+    WriteCalibration(arguments, calibration.rig);
   }
 }
 
@@ -162,7 +162,7 @@ void AddCalibrationCommand(CLI::App& app) {
   command->footer(
       "Example:\n  gluevo calibration intrinsics.yml extrinsics.yml --write kalibr -o "
       "camchain.yaml");
-  command->callback([arguments] { Run(*arguments); });
+  command->callback([arguments] { RunCalibration(*arguments); });
 }
 
 }  // namespace gluevo::apps

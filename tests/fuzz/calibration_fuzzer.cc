@@ -10,8 +10,8 @@ namespace {
 
 using namespace gluevo;
 
-/// The input is one to three files with a line of %%% between them: the named one, and what is there
-/// under any other name, in turn.
+/// The input is one to three files with a line of %%% between them: the named one, and what is
+/// there under any other name, in turn.
 std::vector<std::string> Split(const std::string& input) {
   constexpr std::string_view kBetween = "\n%%%\n";
   std::vector<std::string> texts;
@@ -27,13 +27,12 @@ std::vector<std::string> Split(const std::string& input) {
 
 void Parse(const std::vector<std::string>& texts, bool both_named) {
   vo::CalibrationInput input;
-  input.named.push_back(vo::ParseCalibrationFile("left.yaml", texts[0]));
+  input.named.push_back(vo::ParseCalibrationFile("left/intrinsics.yml", texts[0]));
   if (both_named && texts.size() > 1) {
-    input.named.push_back(vo::ParseCalibrationFile("right.yaml", texts[1]));
+    input.named.push_back(vo::ParseCalibrationFile("right/intrinsics.yml", texts[1]));
   }
   std::size_t next = 1;
-  input.open =
-      [&](const std::filesystem::path& path) -> std::optional<vo::CalibrationFile> {
+  input.open = [&](const std::filesystem::path& path) -> std::optional<vo::CalibrationFile> {
     if (next >= texts.size()) {
       return std::nullopt;
     }

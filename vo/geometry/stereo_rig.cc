@@ -36,7 +36,7 @@ void AddCameraOddities(const Camera& camera, const std::string& side,
                        " px is unusual for images of " + size +
                        ": are the intrinsics of this size, and in the order fx fy cx cy?");
   }
-  constexpr double kUnequal = 1.25;
+  constexpr double kUnequal = 1.2;
   if (const double ratio = focal.x() / focal.y(); ratio > kUnequal || ratio < 1.0 / kUnequal) {
     oddities.push_back("the " + side + " camera's fx of " + Text(focal.x()) + " and fy of " +
                        Text(focal.y()) + " px differ: are they in the order fx fy cx cy?");

@@ -77,7 +77,10 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
       cameras.size() < 2 || poses.size() > kMostCameras || cameras.size() > kMostCameras) {
     throw Error(path.string() + ": expected T_imu_cam and intrinsics of two cameras");
   }
-  calibration.rig.body_frame = "imu (body)";
+  // Basalt needs an IMU to calibrate at all, people who bring its files rarely track one: the body
+  // is the left camera, to which their ground truth belongs.
+  calibration.rig.body_frame = "left camera";
+  std::array<Rigid3, 2> imu_from_cam;
   for (std::size_t side = 0; side < 2; ++side) {
     const YAML::Node pose = poses[side];
     const YAML::Node node = cameras[side];
@@ -99,10 +102,11 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
     if (!(std::abs(q.norm() - 1.0) < kAccepted)) {
       throw Error(path.string() + ": T_imu_cam has a quaternion that is not of length 1");
     }
-    calibration.rig.body_from_cam[side] = {
-        q.normalized(), Eigen::Vector3d(Number(pose, "px", path), Number(pose, "py", path),
-                                        Number(pose, "pz", path))};
+    imu_from_cam[side] = {q.normalized(),
+                          Eigen::Vector3d(Number(pose, "px", path), Number(pose, "py", path),
+                                          Number(pose, "pz", path))};
   }
+  calibration.rig.body_from_cam[1] = imu_from_cam[0].Inverse() * imu_from_cam[1];
 }
 
 }  // namespace
