@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   gluevo::apps::AddExtractCommand(app);
   gluevo::apps::AddMatchCommand(app);
   gluevo::apps::AddEvaluateCommand(app);
+  gluevo::apps::AddCalibrationCommand(app);
   gluevo::apps::AddDoctorCommand(app);
   gluevo::apps::AddExperimentCommand(app);
   gluevo::apps::AddSimulateCommand(app);

@@ -68,7 +68,8 @@ Dataset OpenKittiOdometry(const fs::path& root, const DatasetOptions& options) {
     }
     dataset.entries.push_back({times[number], {images[0].path, images[1].path}});
   }
-  const KittiCalibration calibration(root / "calib.txt");
+  dataset.calibration = root / "calib.txt";
+  const KittiCalibration calibration(dataset.calibration);
   dataset.rig = RectifiedRig(calibration, cameras.projections, FirstImageSize(dataset));
   if (cameras.projections[0] != "P0") {
     MakeCamera0TheBody(calibration, cameras.projections[0], dataset.rig);

@@ -12,7 +12,6 @@
 #include "image_pairs.h"
 #include "plain_images.h"
 #include "times_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -206,10 +205,7 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
   }
   // What is wrong with the images first: they are what was named.
   AddImages(*found, options, dataset);
-  if (!options.calibration) {
-    throw Error(root.string() + ": a plain data set needs a calibration file (--calibration)");
-  }
-  dataset.rig = RigFromCalibration(*options.calibration);
+  SetCalibration(CalibrationFiles(options), dataset);
   AddGroundtruth(options, {}, {}, dataset);
   return dataset;
 }

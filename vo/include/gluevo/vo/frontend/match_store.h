@@ -17,12 +17,11 @@ namespace gluevo::vo {
 // The matches of a run in one HDF5 file ("store and replay", Yoon and Park), so that the estimator
 // can run on them again without images and without networks.
 //
-//   attributes        format "gluevo matches", version "1", method
+//   attributes        format "gluevo matches", version "2", method
 //   options, weights  groups whose attributes are the options and the weights of the run
-//   rig            2 x 19    a camera: width, height, fx, fy, cx, cy, model of distortion (number
-//   of
-//                            vo::Distortion), its 5 coefficients, body_from_cam as quaternion
-//                            (x y z w) and translation (metres)
+//   rig            2 x 22    a camera: width, height, fx, fy, cx, cy, model of distortion (number
+//                            of vo::Distortion), its 8 coefficients (5 in version "1", 2 x 19),
+//                            body_from_cam as quaternion (x y z w) and translation (metres)
 //   timestamps_ns  F
 //   frames/000000  and so on, a group a frame; row i of every dataset belongs to the same track:
 //     track_ids             N      the same in all frames that see the point
@@ -75,7 +74,7 @@ class MatchStoreReader {
   TrackedFrame Read(std::size_t index) const;
 
  private:
-  StereoRig ReadRig() const;
+  StereoRig ReadRig(std::size_t columns) const;
 
   std::filesystem::path path_;
   internal::H5InputPointer file_;
