@@ -14,9 +14,11 @@
 #include "commands.h"
 #include "evaluation_json.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/io/trajectory_file.h"
+#include "json_text.h"
 #include "segments_file.h"
 #include "trajectory_lines.h"
 #include "trajectory_plot.h"
@@ -50,7 +52,7 @@ void PrintJson(const vo::Evaluation& evaluation, const std::optional<Segments>& 
   if (segments) {
     AddSegmentedEvaluation(segments->evaluation, json);
   }
-  std::cout << json.dump(2) << '\n';
+  std::cout << JsonText(json);
 }
 
 void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
@@ -140,6 +142,9 @@ void Evaluate(const EvaluateArguments& arguments) {
     return vo::ReadTrajectory(
         path, arguments.times.empty() ? std::nullopt : std::optional(arguments.times));
   };
+  if (!arguments.plot.empty()) {
+    nn::CheckPlaceForFile(arguments.plot);
+  }
   const bool by_row = AssociateByRow(arguments);
   const vo::Trajectory estimate =
       by_row ? vo::ReadKittiTrajectoryByRow(arguments.estimate) : read(arguments.estimate);

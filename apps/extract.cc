@@ -10,6 +10,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "image_files.h"
+#include "interruption.h"
 #include "options/network_options.h"
 #include "progress.h"
 
@@ -27,6 +28,7 @@ struct ExtractArguments {
 };
 
 void Extract(const ExtractArguments& arguments) {
+  const Interruption interruption;
   const std::vector<fs::path> images = ListImagesBelow(arguments.images);
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks = vo::LoadNetworks(arguments.networks, /*with_superglue=*/false);
@@ -38,6 +40,8 @@ void Extract(const ExtractArguments& arguments) {
   {
     Progress progress("image", images.size());
     for (std::size_t i = 0; i < images.size(); ++i) {
+      // A file that lacks images would pass for a whole one: what is done is given up.
+      Interruption::Check();
       const nn::Features features = extractor->Extract(ReadGrayImage(images[i]));
       writer.Add(fs::relative(images[i], arguments.images).generic_string(), features);
       keypoints += static_cast<std::size_t>(features.size());

@@ -18,6 +18,8 @@
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "image_files.h"
+#include "interruption.h"
+#include "json_text.h"
 #include "options/network_options.h"
 #include "progress.h"
 
@@ -79,6 +81,7 @@ std::vector<std::pair<std::string, std::string>> ReadPairs(const fs::path& path)
 }
 
 void MatchFile(const MatchArguments& arguments) {
+  const Interruption interruption;
   const auto pairs = ReadPairs(arguments.pairs);
   const vo::FeatureReader reader(arguments.inputs[0]);
   nn::ThreadPool pool(arguments.threads);
@@ -91,6 +94,8 @@ void MatchFile(const MatchArguments& arguments) {
   {
     Progress progress("pair", pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
+      // A file that lacks pairs would pass for a whole one: what is done is given up.
+      Interruption::Check();
       const auto& [name0, name1] = pairs[i];
       const nn::Matches matches =
           matcher->Match(reader.Read(name0), reader.Read(name1), Threshold(arguments));
@@ -172,20 +177,26 @@ void Draw(const fs::path& path, const cv::Mat& image0, const cv::Mat& image1,
       cv::line(canvas, from, to, cv::Scalar(0, 255.0 * sure, 255.0 * (1.0 - sure)), 1, cv::LINE_AA);
     }
   }
-  std::string extension = path.extension().string();
   std::vector<uchar> bytes;
-  try {
-    cv::imencode(extension, canvas, bytes);
-  } catch (const cv::Exception&) {
-    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
-  }
+  cv::imencode(path.extension().string(), canvas, bytes);
   nn::WriteWholeFile(path, [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(bytes.data()),
               static_cast<std::streamsize>(bytes.size()));
   });
 }
 
+// Before there is something to draw.
+void CheckPlaceForDrawing(const fs::path& path) {
+  if (!cv::haveImageWriter(path.string())) {
+    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
+  }
+  nn::CheckPlaceForFile(path);
+}
+
 void MatchImages(const MatchArguments& arguments) {
+  if (!arguments.draw.empty()) {
+    CheckPlaceForDrawing(arguments.draw);
+  }
   std::optional<cv::Matx33d> homography;
   if (!arguments.homography.empty()) {
     homography = ReadHomography(arguments.homography);
@@ -228,7 +239,7 @@ void MatchImages(const MatchArguments& arguments) {
       json["right"] = *right;
       json["precision"] = count > 0 ? static_cast<double>(*right) / count : 0.0;
     }
-    std::cout << json.dump(2) << '\n';
+    std::cout << JsonText(json);
     return;
   }
   std::cout << features0.size() << " and " << features1.size() << " keypoints, " << count

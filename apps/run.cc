@@ -1,7 +1,6 @@
 // gluevo run: stereo odometry over a data set.
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <filesystem>
 #include <iostream>
 #include <map>
@@ -20,14 +19,14 @@
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
 #include "gluevo/vo/pipeline/odometry.h"
+#include "interruption.h"
 #include "options/dataset_options.h"
 #include "options/estimator_options.h"
 #include "options/frontend_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
-#include "progress.h"
 #include "report/run_report.h"
-#include "report/strip.h"
+#include "run_frames.h"
 #include "run_metrics.h"
 #include "run_replay.h"
 
@@ -46,6 +45,7 @@ struct RunArguments {
   DatasetArguments frames;
   fs::path save_matches;
   fs::path replay;
+  bool is_strict = false;
   vo::OdometryConfig config;
 };
 
@@ -70,6 +70,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Take the matches from such a file: reads no images and runs no networks; the "
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
+  command.add_flag("--strict", arguments.is_strict,
+                   "End at a frame that cannot be read, in place of leaving it out; what came "
+                   "before it is kept");
   AddPresetOption(command, arguments.preset);
   AddFrontEndOptions(command, arguments.config);
   AddEstimatorOptions(command, arguments.config.odometry);
@@ -81,15 +84,6 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
 
 std::string TrajectoryHeader(const vo::StereoRig& rig) {
   return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
-}
-
-// As COLMAP finds the images when it is told the data set's folder.
-std::array<std::string, 2> ImageNames(const vo::Dataset& dataset, std::size_t index) {
-  const auto name = [&](const fs::path& path) {
-    return path.lexically_proximate(dataset.root).generic_string();
-  };
-  const auto& images = dataset.entries[index].images;
-  return {name(images[0]), name(images[1])};
 }
 
 void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
@@ -128,6 +122,9 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
                          arguments.frames.stride);
   }
   setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  if (store) {
+    LeaveOutReplayed(*store, setup.dataset);
+  }
   setup.origins =
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
   setup.reads_images = !store || !arguments.map.empty();
@@ -144,45 +141,8 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
   return setup;
 }
 
-// What gathers over the frames.
-struct Records {
-  RunMetrics metrics;
-  StripRecorder strip;
-  std::optional<vo::MatchStoreWriter> matches;
-  std::optional<vo::MapRecorder> map;
-  vo::Trajectory trajectory;
-  vo::Trajectory keyframes;
-};
-
-void ProcessFrames(const Setup& setup, vo::Odometry& odometry, Records& records) {
-  const vo::Dataset& dataset = setup.dataset;
-  Progress progress("frame", dataset.entries.size());
-  for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
-    records.metrics.StartFrame();
-    const vo::StereoFrame frame =
-        setup.reads_images ? dataset.Read(i) : vo::StereoFrame{dataset.entries[i].timestamp_ns, {}};
-    records.metrics.FrameIsRead();
-    const vo::FrameResult result = odometry.Process(frame);
-    records.metrics.FrameIsDone(result);
-    if (records.matches) {
-      records.matches->Add(result.tracked_frame);
-    }
-    if (setup.reads_images) {
-      records.strip.Add(result, [&] { return frame; });
-    }
-    if (records.map) {
-      records.map->Add(frame, ImageNames(dataset, i), result, odometry.rig(), odometry.MapPoints());
-    }
-    records.trajectory.push_back({result.timestamp_ns, result.world_from_body});
-    if (result.is_keyframe) {
-      records.keyframes.push_back(records.trajectory.back());
-    }
-    progress.Update(i + 1, std::to_string(result.inliers) + " inliers, segment " +
-                               std::to_string(result.segment));
-  }
-}
-
-void WriteTrajectories(const RunArguments& arguments, const Setup& setup, const Records& records) {
+void WriteTrajectories(const RunArguments& arguments, const Setup& setup,
+                       const RunRecords& records) {
   struct Format {
     vo::TrajectoryFormat format;
     const char* extension;
@@ -200,7 +160,7 @@ void WriteTrajectories(const RunArguments& arguments, const Setup& setup, const 
   }
 }
 
-void AddEvaluations(const Setup& setup, const Records& records, RunMetrics::Context& context) {
+void AddEvaluations(const Setup& setup, const RunRecords& records, RunMetrics::Context& context) {
   if (!setup.dataset.groundtruth) {
     return;
   }
@@ -214,7 +174,55 @@ void AddEvaluations(const Setup& setup, const Records& records, RunMetrics::Cont
   }
 }
 
+RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, const Setup& setup) {
+  RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
+                     .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt")};
+  if (!arguments.save_matches.empty()) {
+    records.matches.emplace(arguments.save_matches, setup.dataset.rig,
+                            MakeRunRecord(command, setup.method, setup.networks));
+  }
+  if (!arguments.map.empty()) {
+    records.map.emplace(setup.dataset.rig.cameras, vo::MapOptions());
+  }
+  return records;
+}
+
+void WriteReport(const RunArguments& arguments, const Setup& setup, const RunRecords& records,
+                 const RunMetrics::Context& context) {
+  RunReport report = records.metrics.Report(context);
+  report.dataset = arguments.dataset.string();
+  report.rig = setup.dataset.rig;
+  report.groundtruth = setup.dataset.groundtruth;
+  report.strip = records.strip.frames();
+  WriteRunReport(arguments.output / "report.html", report);
+}
+
+// All that the run makes. Where one file cannot be written the others are; the first failure is
+// returned.
+std::string WriteOutputs(const RunArguments& arguments, const Setup& setup, RunRecords& records,
+                         const RunMetrics::Context& context) {
+  std::string failure;
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      failure = failure.empty() ? error.what() : failure;
+    }
+  };
+  attempt([&] { WriteTrajectories(arguments, setup, records); });
+  attempt([&] { records.metrics.Write(arguments.output / "metrics.json", context); });
+  attempt([&] { WriteReport(arguments, setup, records, context); });
+  if (records.matches) {
+    attempt([&] { records.matches->Finish(); });
+  }
+  if (records.map) {
+    attempt([&] { WriteMap(arguments.map, *records.map); });
+  }
+  return failure;
+}
+
 void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
+  const Interruption interruption;
   nn::ThreadPool pool(arguments.config.threads);
   cv::setNumThreads(pool.size());
   Setup setup = SetUp(arguments, command, given, pool);
@@ -224,39 +232,32 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
     map_output.emplace(arguments.map);
   }
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
-  Records records{.strip = StripRecorder(setup.dataset.entries.size())};
-  if (!arguments.save_matches.empty()) {
-    records.matches.emplace(arguments.save_matches, setup.dataset.rig,
-                            MakeRunRecord(command, setup.method, setup.networks));
-  }
-  if (!arguments.map.empty()) {
-    records.map.emplace(setup.dataset.rig.cameras, vo::MapOptions());
-  }
+  RunRecords records = MakeRecords(arguments, command, setup);
 
-  ProcessFrames(setup, odometry, records);
+  const EarlyEnd end =
+      ProcessFrames({setup.dataset, setup.reads_images, arguments.is_strict}, odometry, records);
 
-  if (records.matches) {
-    records.matches->Finish();
+  if (records.trajectory.empty()) {
+    throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
-  WriteTrajectories(arguments, setup, records);
   RunMetrics::Context context = {.method = setup.method,
                                  .threads = pool.size(),
                                  .superpoint = setup.networks.superpoint_record,
                                  .superglue = setup.networks.superglue_record,
                                  .options = OptionValues(command),
-                                 .origins = setup.origins};
+                                 .origins = setup.origins,
+                                 .frames_asked = setup.dataset.entries.size(),
+                                 .is_interrupted = end.signal != 0,
+                                 .failure = end.failure,
+                                 .causes = records.diagnosis.Causes()};
   AddEvaluations(setup, records, context);
-  records.metrics.Write(arguments.output / "metrics.json", context);
-  RunReport report = records.metrics.Report(context);
-  report.dataset = arguments.dataset.string();
-  report.rig = setup.dataset.rig;
-  report.groundtruth = setup.dataset.groundtruth;
-  report.strip = records.strip.frames();
-  WriteRunReport(arguments.output / "report.html", report);
-  if (records.map) {
-    WriteMap(arguments.map, *records.map);
-  }
+  const std::string failure = WriteOutputs(arguments, setup, records, context);
   std::cout << records.metrics.Summary(context) << "results: " << arguments.output.string() << '\n';
+  if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
+    throw Error(first);
+  }
+  Interruption::Check();
+  records.metrics.CheckThatSomethingWasTracked(context);
 }
 
 }  // namespace

@@ -102,6 +102,8 @@ class H5InputFile {
   H5InputFile(const H5InputFile&) = delete;
   H5InputFile& operator=(const H5InputFile&) = delete;
 
+  /// Whether there is something of this name, which has no slash.
+  bool Has(const std::string& name) const;
   /// The groups that hold something called `dataset`, by their full names without a leading slash,
   /// sorted.
   std::vector<std::string> GroupsWith(const std::string& dataset) const;
