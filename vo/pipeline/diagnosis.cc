@@ -118,6 +118,9 @@ std::optional<std::string> WrongRig(const Sums& sums) {
                       " would if the transform between the cameras were inverted") +
            ": are the cameras swapped, or is the transform the one from right to left?";
   }
+  if (5 * sums.found < sums.corners) {
+    return std::nullopt;  // So few are chance: the images show different things.
+  }
   return found + "only " + std::to_string(sums.fit) +
          " lie near their epipolar lines and in front of the cameras: the calibration does not fit "
          "the images (another rig, lens or resolution, or images that are rectified already?)";

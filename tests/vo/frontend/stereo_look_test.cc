@@ -49,7 +49,7 @@ TEST(StereoLookTest, ExchangedImagesAndAnInvertedTransformShow) {
       Eigen::Quaterniond(Eigen::AngleAxisd(0.02, Eigen::Vector3d::UnitX()));
   inverted.body_from_cam[1] = inverted.body_from_cam[1].Inverse();
   // What the rig before inversion sees of far points is 3 pixels lower in its right image.
-  const StereoLook look = LookAt({0, {At(0.0), At(-6.0, -3.0)}}, inverted, {});
+  const StereoLook look = LookAt({0, {At(0.0), At(-6.0, 3.0)}}, inverted, {});
   EXPECT_LT(look.fit, look.found / 2);
   EXPECT_GT(10 * look.fit_inverted, 9 * look.found);
 }

@@ -111,6 +111,8 @@ TEST(DiagnosisTest, PairsThatShowDifferentThings) {
   StereoLook look = GoodLook();
   look.found = 10;
   look.fit = 4;
+  look.fit_exchanged = 3;
+  look.fit_inverted = 3;
   ExpectCause(Lost(look), {"30 of 600", "little in common"});
 }
 
