@@ -8,18 +8,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <sstream>
 
 #include "commands.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/nn/output_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "image_files.h"
 #include "interruption.h"
 #include "json_text.h"
+#include "match_drawing.h"
 #include "options/network_options.h"
 #include "progress.h"
 
@@ -158,41 +156,6 @@ int CountRight(const nn::Features& features0, const nn::Features& features1,
   return right;
 }
 
-// Both images side by side with a line a match, green for sure ones to red.
-void Draw(const fs::path& path, const cv::Mat& image0, const cv::Mat& image1,
-          const nn::Features& features0, const nn::Features& features1,
-          const nn::Matches& matches) {
-  cv::Mat canvas(std::max(image0.rows, image1.rows), image0.cols + image1.cols, CV_8UC3,
-                 cv::Scalar::all(0));
-  cv::cvtColor(image0, canvas(cv::Rect(0, 0, image0.cols, image0.rows)), cv::COLOR_GRAY2BGR);
-  cv::cvtColor(image1, canvas(cv::Rect(image0.cols, 0, image1.cols, image1.rows)),
-               cv::COLOR_GRAY2BGR);
-  for (int i = 0; i < features0.size(); ++i) {
-    const int match = matches.matches0[i];
-    if (match >= 0) {
-      const cv::Point2f from(features0.keypoints(i, 0), features0.keypoints(i, 1));
-      const cv::Point2f to(features1.keypoints(match, 0) + static_cast<float>(image0.cols),
-                           features1.keypoints(match, 1));
-      const double sure = matches.scores0[i];
-      cv::line(canvas, from, to, cv::Scalar(0, 255.0 * sure, 255.0 * (1.0 - sure)), 1, cv::LINE_AA);
-    }
-  }
-  std::vector<uchar> bytes;
-  cv::imencode(path.extension().string(), canvas, bytes);
-  nn::WriteWholeFile(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  });
-}
-
-// Before there is something to draw.
-void CheckPlaceForDrawing(const fs::path& path) {
-  if (!cv::haveImageWriter(path.string())) {
-    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
-  }
-  nn::CheckPlaceForFile(path);
-}
-
 void MatchImages(const MatchArguments& arguments) {
   if (!arguments.draw.empty()) {
     CheckPlaceForDrawing(arguments.draw);
@@ -214,7 +177,7 @@ void MatchImages(const MatchArguments& arguments) {
   const int count = CountMatches(matches);
 
   if (!arguments.draw.empty()) {
-    Draw(arguments.draw, images[0], images[1], features0, features1, matches);
+    DrawMatches(arguments.draw, images[0], images[1], features0, features1, matches);
   }
   std::optional<int> right;
   if (homography) {

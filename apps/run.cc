@@ -16,7 +16,6 @@
 #include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/io/output_directory.h"
-#include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "interruption.h"
@@ -25,9 +24,9 @@
 #include "options/frontend_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
-#include "report/run_report.h"
 #include "run_frames.h"
 #include "run_metrics.h"
+#include "run_outputs.h"
 #include "run_replay.h"
 
 namespace gluevo::apps {
@@ -37,11 +36,9 @@ namespace fs = std::filesystem;
 
 struct RunArguments {
   fs::path dataset;
-  fs::path output;
+  RunPlaces places;
   fs::path config_file;
   std::string preset;
-  fs::path map;
-  std::string trajectory_format = "tum";
   DatasetArguments frames;
   fs::path save_matches;
   fs::path replay;
@@ -51,16 +48,16 @@ struct RunArguments {
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
-  command.add_option("-o,--output", arguments.output, "Folder for the results")->required();
+  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")->required();
   command.add_option("--config", arguments.config_file,
                      "YAML file with values for any of these options; the command line goes first");
   AddDatasetOptions(command, arguments.frames);
   command
-      .add_option("--trajectory-format", arguments.trajectory_format,
+      .add_option("--trajectory-format", arguments.places.trajectory_format,
                   "Format of the trajectories: tum, euroc or kitti")
       ->check(CLI::IsMember({"tum", "euroc", "kitti"}))
       ->capture_default_str();
-  command.add_option("--map", arguments.map,
+  command.add_option("--map", arguments.places.map,
                      "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
                      "(COLMAP's text model)");
   CLI::Option* const save = command.add_option("--save-matches", arguments.save_matches,
@@ -80,16 +77,6 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
       "results/V1_01");
-}
-
-std::string TrajectoryHeader(const vo::StereoRig& rig) {
-  return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
-}
-
-void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
-  const vo::Map map = recorder.Build();
-  vo::WritePly(directory, map);
-  vo::WriteColmap(directory / "colmap", map);
 }
 
 std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
@@ -127,7 +114,7 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
   }
   setup.origins =
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
-  setup.reads_images = !store || !arguments.map.empty();
+  setup.reads_images = !store || !arguments.places.map.empty();
   if (store) {
     setup.networks.superpoint_record = ReplayedWeights(*store, "superpoint");
     setup.networks.superglue_record = ReplayedWeights(*store, "superglue");
@@ -139,25 +126,6 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
         vo::MakeFrontEnd(arguments.config.frontend, setup.dataset.rig, setup.networks, pool);
   }
   return setup;
-}
-
-void WriteTrajectories(const RunArguments& arguments, const Setup& setup,
-                       const RunRecords& records) {
-  struct Format {
-    vo::TrajectoryFormat format;
-    const char* extension;
-  };
-  static const std::map<std::string, Format> formats = {
-      {"tum", {vo::TrajectoryFormat::kTum, ".tum"}},
-      {"euroc", {vo::TrajectoryFormat::kEuroc, ".csv"}},
-      {"kitti", {vo::TrajectoryFormat::kKitti, ".txt"}}};
-  const Format& format = formats.at(arguments.trajectory_format);
-  const std::string header = TrajectoryHeader(setup.dataset.rig);
-  for (const auto& [name, trajectory] :
-       {std::pair{"trajectory", &records.trajectory}, std::pair{"keyframes", &records.keyframes}}) {
-    vo::WriteTrajectory(arguments.output / (std::string(name) + format.extension), *trajectory,
-                        format.format, header);
-  }
 }
 
 void AddEvaluations(const Setup& setup, const RunRecords& records, RunMetrics::Context& context) {
@@ -181,44 +149,11 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, c
     records.matches.emplace(arguments.save_matches, setup.dataset.rig,
                             MakeRunRecord(command, setup.method, setup.networks));
   }
-  if (!arguments.map.empty()) {
+  if (!arguments.places.map.empty()) {
+    CheckNamesForMap(setup.dataset);
     records.map.emplace(setup.dataset.rig.cameras, vo::MapOptions());
   }
   return records;
-}
-
-void WriteReport(const RunArguments& arguments, const Setup& setup, const RunRecords& records,
-                 const RunMetrics::Context& context) {
-  RunReport report = records.metrics.Report(context);
-  report.dataset = arguments.dataset.string();
-  report.rig = setup.dataset.rig;
-  report.groundtruth = setup.dataset.groundtruth;
-  report.strip = records.strip.frames();
-  WriteRunReport(arguments.output / "report.html", report);
-}
-
-// All that the run makes. Where one file cannot be written the others are; the first failure is
-// returned.
-std::string WriteOutputs(const RunArguments& arguments, const Setup& setup, RunRecords& records,
-                         const RunMetrics::Context& context) {
-  std::string failure;
-  const auto attempt = [&](const auto& write) {
-    try {
-      write();
-    } catch (const std::exception& error) {
-      failure = failure.empty() ? error.what() : failure;
-    }
-  };
-  attempt([&] { WriteTrajectories(arguments, setup, records); });
-  attempt([&] { records.metrics.Write(arguments.output / "metrics.json", context); });
-  attempt([&] { WriteReport(arguments, setup, records, context); });
-  if (records.matches) {
-    attempt([&] { records.matches->Finish(); });
-  }
-  if (records.map) {
-    attempt([&] { WriteMap(arguments.map, *records.map); });
-  }
-  return failure;
 }
 
 void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
@@ -226,10 +161,11 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   nn::ThreadPool pool(arguments.config.threads);
   cv::setNumThreads(pool.size());
   Setup setup = SetUp(arguments, command, given, pool);
-  const vo::OutputDirectory output(arguments.output);
+  const vo::OutputDirectory output(arguments.places.folder);
+  CheckPlaces(arguments.places);
   std::optional<vo::OutputDirectory> map_output;
-  if (!arguments.map.empty()) {
-    map_output.emplace(arguments.map);
+  if (!arguments.places.map.empty()) {
+    map_output.emplace(arguments.places.map);
   }
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
   RunRecords records = MakeRecords(arguments, command, setup);
@@ -238,6 +174,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
       ProcessFrames({setup.dataset, setup.reads_images, arguments.is_strict}, odometry, records);
 
   if (records.trajectory.empty()) {
+    Interruption::Check();
     throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
   RunMetrics::Context context = {.method = setup.method,
@@ -251,8 +188,10 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .failure = end.failure,
                                  .causes = records.diagnosis.Causes()};
   AddEvaluations(setup, records, context);
-  const std::string failure = WriteOutputs(arguments, setup, records, context);
-  std::cout << records.metrics.Summary(context) << "results: " << arguments.output.string() << '\n';
+  const std::string failure =
+      WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);
+  std::cout << records.metrics.Summary(context) << "results: " << arguments.places.folder.string()
+            << '\n';
   if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
     throw Error(first);
   }

@@ -85,6 +85,12 @@ std::string ProcessFrame(const FrameSource& source, std::size_t index, vo::Odome
 
 }  // namespace
 
+void CheckNamesForMap(const vo::Dataset& dataset) {
+  for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
+    vo::CheckImageNames(ImageNames(dataset, i));
+  }
+}
+
 EarlyEnd ProcessFrames(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
   const std::size_t count = source.dataset.entries.size();
   Progress progress("frame", count);

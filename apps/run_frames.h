@@ -38,6 +38,9 @@ struct EarlyEnd {
   int signal = 0;       ///< That asked for it.
 };
 
+/// Throws Error where an image has a name that a map cannot hold.
+void CheckNamesForMap(const vo::Dataset& dataset);
+
 /// Takes all frames through the odometry. What it has done when it ends early is in `records`.
 EarlyEnd ProcessFrames(const FrameSource& source, vo::Odometry& odometry, RunRecords& records);
 

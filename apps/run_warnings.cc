@@ -47,9 +47,9 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
       std::count_if(frames_.begin(), frames_.end(),
                     [](const vo::FrameResult& frame) { return frame.is_predicted; }));
   if (predicted > 0) {
-    warnings.push_back(Counted(predicted, "frame") +
-                       " could not be located: their poses are predicted from the motion before "
-                       "them");
+    warnings.push_back(Counted(predicted, "pose") +
+                       " predicted from the motion before: the frames show nothing by which they "
+                       "could be located");
   }
   if (Resets() > 0) {
     warnings.push_back("tracking was lost " + std::to_string(Resets()) +

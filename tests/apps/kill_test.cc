@@ -178,7 +178,6 @@ TEST_F(KillTest, SimulatePairs) {
 
 TEST_F(KillTest, Experiment) {
   const std::string list = Write("list.yaml",
-                                 "options: {threads: 1}\n"
                                  "data: [{path: flight, count: 6}]\n"
                                  "methods: [klt, {name: other, method: klt, klt-corners: 80}]\n");
   KillAtRandom({"experiment", list, "-o", Path("out"), "--data", Data(""), "--threads", "1"},

@@ -210,8 +210,8 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
   if (history_.last()) {
     // Where the rig was last seen, or was thought to be since, is the best guess there is; the
     // segment number says that it is one.
-    pose.world_from_body = passed_over_ > 0 ? history_.Predict(frame.timestamp_ns)
-                                            : history_.last()->world_from_body;
+    pose.world_from_body =
+        passed_over_ > 0 ? history_.Predict(frame.timestamp_ns) : history_.last()->world_from_body;
     ++segment_;
   }
   *window_ = SlidingWindow(rig_, options_.window);
