@@ -15,10 +15,12 @@
 #include "commands.h"
 #include "evaluation_json.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/evaluation/time_scale.h"
 #include "gluevo/vo/io/trajectory_file.h"
+#include "json_text.h"
 #include "segments_file.h"
 #include "trajectory_lines.h"
 #include "trajectory_plot.h"
@@ -53,7 +55,7 @@ void PrintJson(const vo::Evaluation& evaluation, const std::optional<Segments>& 
     AddSegmentedEvaluation(segments->evaluation, json);
   }
   json["warnings"] = warnings;
-  std::cout << json.dump(2) << '\n';
+  std::cout << JsonText(json);
 }
 
 void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
@@ -189,6 +191,9 @@ Inputs ReadInputs(const EvaluateArguments& arguments) {
 }
 
 void Evaluate(const EvaluateArguments& arguments) {
+  if (!arguments.plot.empty()) {
+    nn::CheckPlaceForFile(arguments.plot);
+  }
   Inputs inputs = ReadInputs(arguments);
   const vo::Trajectory& estimate = inputs.estimate;
   const vo::Trajectory& groundtruth = inputs.groundtruth;

@@ -81,6 +81,10 @@ MatchStoreReader::MatchStoreReader(const std::filesystem::path& path)
                                                   : match_store::kRigColumnsOfFive);
   file_->ShapeOf("timestamps_ns", 1, kMostFrames);
   timestamps_ns_ = file_->ReadLongIntegers("timestamps_ns");
+  if (file_->Has("left_out_ns")) {
+    file_->ShapeOf("left_out_ns", 1, kMostFrames);
+    left_out_ns_ = file_->ReadLongIntegers("left_out_ns");
+  }
 }
 
 StereoRig MatchStoreReader::ReadRig(std::size_t columns) const {
