@@ -11,6 +11,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
+#include "interruption.h"
 #include "options/network_options.h"
 #include "progress.h"
 
@@ -58,6 +59,7 @@ void Report(const Remarks& remarks) {
 }
 
 void Extract(const ExtractArguments& arguments) {
+  const Interruption interruption;
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);
@@ -71,6 +73,8 @@ void Extract(const ExtractArguments& arguments) {
   {
     Progress progress("image", images.size());
     for (std::size_t i = 0; i < images.size(); ++i) {
+      // A file that lacks images would pass for a whole one: what is done is given up.
+      Interruption::Check();
       const std::optional<cv::Mat> image = ReadOrLeaveOut(images[i], gray_bits, remarks);
       if (!image) {
         continue;

@@ -8,16 +8,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <sstream>
 
 #include "commands.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/nn/output_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
+#include "interruption.h"
+#include "json_text.h"
+#include "match_drawing.h"
 #include "options/network_options.h"
 #include "pair_list.h"
 #include "progress.h"
@@ -53,6 +53,7 @@ int CountMatches(const nn::Matches& matches) {
 }
 
 void MatchFile(const MatchArguments& arguments) {
+  const Interruption interruption;
   const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;
@@ -66,6 +67,8 @@ void MatchFile(const MatchArguments& arguments) {
   {
     Progress progress("pair", pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
+      // A file that lacks pairs would pass for a whole one: what is done is given up.
+      Interruption::Check();
       const auto& [name0, name1] = pairs[i];
       const nn::Matches matches =
           matcher->Match(reader.Read(name0), reader.Read(name1), Threshold(arguments));
@@ -134,38 +137,6 @@ int CountRight(const nn::Features& features0, const nn::Features& features1,
   return right;
 }
 
-// Both images side by side with a line a match, green for sure ones to red.
-void Draw(const fs::path& path, const cv::Mat& image0, const cv::Mat& image1,
-          const nn::Features& features0, const nn::Features& features1,
-          const nn::Matches& matches) {
-  cv::Mat canvas(std::max(image0.rows, image1.rows), image0.cols + image1.cols, CV_8UC3,
-                 cv::Scalar::all(0));
-  cv::cvtColor(image0, canvas(cv::Rect(0, 0, image0.cols, image0.rows)), cv::COLOR_GRAY2BGR);
-  cv::cvtColor(image1, canvas(cv::Rect(image0.cols, 0, image1.cols, image1.rows)),
-               cv::COLOR_GRAY2BGR);
-  for (int i = 0; i < features0.size(); ++i) {
-    const int match = matches.matches0[i];
-    if (match >= 0) {
-      const cv::Point2f from(features0.keypoints(i, 0), features0.keypoints(i, 1));
-      const cv::Point2f to(features1.keypoints(match, 0) + static_cast<float>(image0.cols),
-                           features1.keypoints(match, 1));
-      const double sure = matches.scores0[i];
-      cv::line(canvas, from, to, cv::Scalar(0, 255.0 * sure, 255.0 * (1.0 - sure)), 1, cv::LINE_AA);
-    }
-  }
-  std::string extension = path.extension().string();
-  std::vector<uchar> bytes;
-  try {
-    cv::imencode(extension, canvas, bytes);
-  } catch (const cv::Exception&) {
-    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
-  }
-  nn::WriteWholeFile(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  });
-}
-
 cv::Mat ReadImage(const fs::path& file, int gray_bits) {
   const vo::GrayImage image = vo::ReadGrayImage(file, gray_bits);
   if (image.orientation != 1) {
@@ -176,6 +147,9 @@ cv::Mat ReadImage(const fs::path& file, int gray_bits) {
 }
 
 void MatchImages(const MatchArguments& arguments) {
+  if (!arguments.draw.empty()) {
+    CheckPlaceForDrawing(arguments.draw);
+  }
   std::optional<cv::Matx33d> homography;
   if (!arguments.homography.empty()) {
     homography = ReadHomography(arguments.homography);
@@ -195,7 +169,7 @@ void MatchImages(const MatchArguments& arguments) {
   const int count = CountMatches(matches);
 
   if (!arguments.draw.empty()) {
-    Draw(arguments.draw, images[0], images[1], features0, features1, matches);
+    DrawMatches(arguments.draw, images[0], images[1], features0, features1, matches);
   }
   std::optional<int> right;
   if (homography) {
@@ -220,7 +194,7 @@ void MatchImages(const MatchArguments& arguments) {
       json["right"] = *right;
       json["precision"] = count > 0 ? static_cast<double>(*right) / count : 0.0;
     }
-    std::cout << json.dump(2) << '\n';
+    std::cout << JsonText(json);
     return;
   }
   std::cout << features0.size() << " and " << features1.size() << " keypoints, " << count

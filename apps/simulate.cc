@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "gluevo/vo/simulation/pairs.h"
 #include "gluevo/vo/simulation/simulation.h"
+#include "interruption.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -23,10 +24,12 @@ struct SimulateArguments {
 };
 
 void Simulate(const SimulateArguments& arguments) {
+  const Interruption interruption;
   {
     const bool pairs = arguments.rooms > 0;
     std::unique_ptr<Progress> progress;
     const auto show = [&](int done, int total) {
+      Interruption::Check();
       if (progress == nullptr) {
         progress =
             std::make_unique<Progress>(pairs ? "room" : "image", static_cast<std::size_t>(total));

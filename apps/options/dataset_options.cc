@@ -4,6 +4,8 @@
 #include <iostream>
 #include <map>
 
+#include "gluevo/nn/error.h"
+
 namespace gluevo::apps {
 
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
@@ -11,8 +13,13 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
       .add_option("--format", arguments.format,
                   "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
       ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
-  command.add_option("--calibration", arguments.calibration,
-                     "Calibration of a plain data set: Kalibr camchain or OpenCV yaml");
+  command
+      .add_option("--calibration", arguments.calibration,
+                  "Calibration: a file of Kalibr, OpenCV, ROS, VINS-Fusion, ORB-SLAM, OpenVINS, "
+                  "Basalt, ZED or EuRoC, or its folder; twice for one in two files")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   command.add_option("--groundtruth", arguments.groundtruth,
                      "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
   command.add_option("--rate", arguments.rate_hz,
@@ -37,8 +44,15 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
   if (const auto found = formats.find(arguments.format); found != formats.end()) {
     options.format = found->second;
   }
+  if (arguments.calibration.size() > 2) {
+    throw Error("--calibration is given " + std::to_string(arguments.calibration.size()) +
+                " times, expected one file or two");
+  }
   if (!arguments.calibration.empty()) {
-    options.calibration = arguments.calibration;
+    options.calibration = arguments.calibration.front();
+  }
+  if (arguments.calibration.size() > 1) {
+    options.calibration_mate = arguments.calibration.back();
   }
   if (!arguments.groundtruth.empty()) {
     options.groundtruth = arguments.groundtruth;

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "command_line.h"
 #include "gluevo/vo/io/dataset.h"
@@ -11,10 +12,10 @@ namespace gluevo::apps {
 
 /// How a command opens a data set, and which of its frames it takes.
 struct DatasetArguments {
-  std::string format;                 ///< Recognised where empty.
-  std::filesystem::path calibration;  ///< Empty for the data set's own.
-  std::filesystem::path groundtruth;  ///< Empty for the data set's own.
-  std::optional<double> rate_hz;      ///< Of data sets without times.
+  std::string format;                              ///< Recognised where empty.
+  std::vector<std::filesystem::path> calibration;  ///< At most two; empty for the data set's own.
+  std::filesystem::path groundtruth;               ///< Empty for the data set's own.
+  std::optional<double> rate_hz;                   ///< Of data sets without times.
   std::optional<double> pair_tolerance_s;
   int start = 0;
   int count = -1;  ///< All.

@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "gluevo/nn/bytes.h"
+#include "gluevo/nn/foreign_file.h"
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/npy.h"
 #include "npz.h"
@@ -38,6 +39,9 @@ Weights ParseWeights(const void* bytes, std::size_t size, const std::string& sou
   weights.source = source;
   if (size == 0) {
     file.Fail(0, "the file is empty, expected .safetensors or .npz");
+  }
+  if (const std::optional<std::string> form = ForeignForm(file, ".safetensors or .npz")) {
+    file.Fail(0, "the file is " + *form);
   }
   // The two ways to safetensors are apart because a header's length may read "PK".
   if (LooksLikeSafetensors(file)) {  // NOLINT(bugprone-branch-clone)

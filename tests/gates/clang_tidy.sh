@@ -14,7 +14,7 @@ if [ "${1:-}" = --all ]; then
   files=$(git ls-files 'nn/*.cc' 'vo/*.cc' 'weights_tools/*.cc' 'apps/*.cc' 'tests/*.cc' 'bench/*.cc' |
     grep -v '^tests/fuzz/\|^tests/install/')
 elif commit=$(git rev-parse --verify --quiet "${1:-HEAD~1}^{commit}"); then
-  files=$(git diff --name-only "$commit" -- | python3 tests/gates/affected_sources.py)
+  files=$(git diff --name-only "$commit" -- | bash tests/gates/affected_sources.sh)
 elif [ $# -gt 0 ]; then
   echo "there is no commit $1" >&2
   exit 1

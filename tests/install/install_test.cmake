@@ -1,6 +1,6 @@
 # cmake -P: installs a build into a fresh folder, and builds and runs a project that finds gluevo
-# there. Takes BINARY_DIR (of gluevo), SOURCE_DIR (of gluevo), WORK_DIR, CONFIG, CXX_COMPILER and
-# LIBDIR; with NN_ONLY, for a build of the networks alone, the project is nn/, which then is to do
+# there. Takes BINARY_DIR (of gluevo), SOURCE_DIR (of gluevo), WORK_DIR, CONFIG, CXX_COMPILER,
+# GENERATOR and LIBDIR; with NN_ONLY, for a build of the networks alone, the project is nn/, which then is to do
 # without what the other layers need.
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
@@ -32,7 +32,7 @@ if(NN_ONLY)
     list(APPEND absent -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
 endif()
-run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/consumer
+run(${CMAKE_COMMAND} -S ${consumer} -B ${WORK_DIR}/consumer -G ${GENERATOR}
     -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX_COMPILER}
     -DCMAKE_BUILD_TYPE=${CONFIG} ${absent})
 run(${CMAKE_COMMAND} --build ${WORK_DIR}/consumer)

@@ -1,6 +1,6 @@
 # cmake -P: builds the networks alone, as GLUEVO_NN_ONLY does, without what the other layers need, and
-# goes on as install_test.cmake does. Takes what that takes but BINARY_DIR, and GENERATOR and
-# CXX_FLAGS (of CONFIG); the build is kept beside WORK_DIR for the next time.
+# goes on as install_test.cmake does. Takes what that takes but BINARY_DIR, and CXX_FLAGS
+# (of CONFIG); the build is kept beside WORK_DIR for the next time.
 include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 set(BINARY_DIR ${WORK_DIR}_build)
 string(TOUPPER "${CONFIG}" upper_config)

@@ -188,6 +188,29 @@ TEST_F(WeightsTest, RefusesWhatIsNoFile) {
       (folder_ / "empty").string() + ": byte 0: the file is empty, expected .safetensors or .npz");
 }
 
+TEST_F(WeightsTest, SaysWhatAFileIsThatIsNoWeights) {
+  const struct {
+    std::string bytes;
+    std::string said;
+  } cases[] = {
+      {"version https://git-lfs.github.com/spec/v1\noid sha256:1", "a pointer of Git LFS: fetch"},
+      {"\n<!doctype HTML>\n<p>",
+       "a web page, expected .safetensors or .npz: was it not downloaded"},
+      {"\xef\xbb\xbf<html lang=\"en\">", "a web page"},
+      {"<?xml version=\"1.0\"?><Error>", "XML"},
+      {"{\"error\": \"Repository not found\"}\n", "the text \"{"},
+      {"Entry not found", "the text \"Entry not found\", expected"},
+      {"\x1f\x8b\x08 and more", "compressed by gzip: unpack it first"},
+      {"\x89PNG\r\n\x1a\n and more", "an image, expected .safetensors or .npz"},
+      {std::string(257, 'x') + "ustar", "a tar archive"},
+  };
+  for (const auto& [bytes, said] : cases) {
+    const std::string message =
+        MessageOf([&, &bytes = bytes] { ParseWeights(bytes.data(), bytes.size(), "page.pth"); });
+    EXPECT_NE(message.find("page.pth: byte 0: the file is " + said), std::string::npos) << message;
+  }
+}
+
 TEST_F(WeightsTest, RefusesFilesTooLargeToBeWeights) {
   std::ofstream(folder_ / "large").flush();
   std::error_code code;

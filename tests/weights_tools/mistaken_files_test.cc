@@ -13,8 +13,9 @@ namespace {
 TEST(MistakenFilesTest, FilesWithoutAForm) {
   const std::string known = "expected .pth or .pt of PyTorch, .safetensors, .npz, .npy or .onnx";
   ExpectRefused("", "file: byte 0: the file is empty, ", known);
-  ExpectRefused("hi", "file: byte 0: the file is of no known form, ", known);
-  ExpectRefused("This is a text.", "file: byte 0: the file is of no known form, ", known);
+  ExpectRefused("hi\x01", "file: byte 0: the file is of no known form, ", known);
+  ExpectRefused("This is a text.", "file: byte 0: the file is the text \"This is a text.\", ",
+                known);
   ExpectRefused("\x89HDF\r\n\x1a\n", "file: byte 0: the file is HDF5, ", known);
 }
 

@@ -6,10 +6,9 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "image_pairs.h"
 #include "text_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -27,7 +26,7 @@ std::vector<KeyedImage> ListCamera(const fs::path& camera_folder, Dataset& datas
   std::vector<KeyedImage> images;
   std::vector<fs::path> missing;
   std::set<int64_t> times;
-  for (const TextLine& line : ReadLines(csv, /*skip_comments=*/true)) {
+  for (const TextLine& line : ReadTable(csv)) {
     const auto fields = SplitFields(line.text, ',');
     const auto timestamp_ns = ParseInteger(fields[0]);
     if (fields.size() < 2 || !timestamp_ns || fields[1].empty()) {
@@ -60,22 +59,14 @@ std::vector<KeyedImage> ListCamera(const fs::path& camera_folder, Dataset& datas
   return images;
 }
 
-StereoRig ReadRig(const fs::path& mav0) {
-  const fs::path sensor_files[] = {mav0 / "cam0" / "sensor.yaml", mav0 / "cam1" / "sensor.yaml"};
+std::vector<fs::path> OwnCalibration(const fs::path& mav0) {
+  const fs::path sensor_file = mav0 / "cam0" / "sensor.yaml";
   // TUM-VI's.
   const fs::path camchain = FolderPath(mav0).parent_path() / "dso" / "camchain.yaml";
-  if (!fs::exists(sensor_files[0]) && fs::exists(camchain)) {
-    return RigFromCamchain(camchain);
+  if (!fs::exists(sensor_file) && fs::exists(camchain)) {
+    return {camchain};
   }
-  StereoRig rig;
-  rig.body_frame = "imu (body)";
-  for (std::size_t side = 0; side < 2; ++side) {
-    const fs::path& file = sensor_files[side];
-    const YAML::Node node = ReadYaml(file);
-    rig.cameras[side] = CameraFromYaml(node, file);
-    rig.body_from_cam[side] = RigidFromRows(YamlNumbers(node, "T_BS", 0, file), "T_BS", file);
-  }
-  return rig;
+  return {sensor_file, mav0 / "cam1" / "sensor.yaml"};
 }
 
 }  // namespace
@@ -92,7 +83,6 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   dataset.format = DatasetFormat::kEuroc;
   const std::array<std::vector<KeyedImage>, 2> images = {ListCamera(mav0 / "cam0", dataset),
                                                          ListCamera(mav0 / "cam1", dataset)};
-  dataset.rig = options.calibration ? RigFromCalibration(*options.calibration) : ReadRig(mav0);
   // A few images of either camera have no mate in the published sequences: they are left out.
   const ImagePairs pairs = PairImages(images, PairTolerance(images, options), "time");
   for (const ImagePair& pair : pairs.pairs) {
@@ -103,17 +93,10 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
                 HowFarApart(pairs, /*stamped=*/true));
   }
   ReportPairs(pairs, /*stamped=*/true, dataset);
+  SetCalibration(options.calibration ? CalibrationFiles(options) : OwnCalibration(mav0), dataset);
   const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
                                             mav0 / "mocap0" / "data.csv"};
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  } else {
-    for (const fs::path& candidate : candidates) {
-      if (!dataset.groundtruth && fs::exists(candidate)) {
-        dataset.groundtruth = ReadTrajectory(candidate);
-      }
-    }
-  }
+  AddGroundtruth(options, candidates, {}, dataset);
   return dataset;
 }
 

@@ -24,6 +24,11 @@ Dataset OpenKittiRaw(const std::filesystem::path& root, const DatasetOptions& op
 bool IsPlain(const std::filesystem::path& root);
 Dataset OpenPlain(const std::filesystem::path& root, const DatasetOptions& options);
 
+/// Gives a data set that has its entries the rig of calibration files, and their warnings.
+void SetCalibration(const std::vector<std::filesystem::path>& files, Dataset& dataset);
+/// The files that --calibration names; none where it is not given.
+std::vector<std::filesystem::path> CalibrationFiles(const DatasetOptions& options);
+
 /// Throws Error naming `what` unless the folder is there.
 void CheckFolder(const std::filesystem::path& folder, const std::string& what);
 /// Width and height of an image file. Throws Error where it cannot be read.

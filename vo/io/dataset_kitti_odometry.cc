@@ -3,6 +3,7 @@
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "kitti_files.h"
 
 namespace gluevo::vo {
@@ -66,20 +67,13 @@ Dataset OpenKittiOdometry(const fs::path& root, const DatasetOptions& options) {
     }
     dataset.entries.push_back({times[number], {images[0].path, images[1].path}});
   }
-  const KittiCalibration calibration(root / "calib.txt");
+  dataset.calibration = root / "calib.txt";
+  const KittiCalibration calibration(dataset.calibration);
   dataset.rig = RectifiedRig(calibration, cameras.projections, FirstImageSize(dataset));
   if (cameras.projections[0] != "P0") {
     MakeCamera0TheBody(calibration, cameras.projections[0], dataset.rig);
   }
-  const fs::path poses = PosesOfSequence(FolderPath(root));
-  if (options.groundtruth) {
-    dataset.groundtruth =
-        RecognizeTrajectoryFormat(*options.groundtruth) == TrajectoryFormat::kKitti
-            ? ReadKittiTrajectory(*options.groundtruth, times)
-            : ReadTrajectory(*options.groundtruth);
-  } else if (fs::exists(poses)) {
-    dataset.groundtruth = ReadKittiTrajectory(poses, times);
-  }
+  AddGroundtruth(options, {PosesOfSequence(FolderPath(root))}, times, dataset);
   return dataset;
 }
 

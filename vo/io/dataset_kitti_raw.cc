@@ -5,7 +5,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "kitti_files.h"
 #include "stamp_unit.h"
 #include "text_file.h"
@@ -144,13 +144,11 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
     }
     dataset.entries.push_back({*times[number], {images[0].path, images[1].path}});
   }
-  const fs::path calibration = FindAbove(root, {"calib_cam_to_cam.txt", "perspective.txt",
-                                                fs::path("calibration") / "perspective.txt"});
-  dataset.rig = ReadRig(KittiCalibration(calibration), cameras, pairs.front().images[0].path,
-                        FirstImageSize(dataset));
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  }
+  dataset.calibration = FindAbove(root, {"calib_cam_to_cam.txt", "perspective.txt",
+                                         fs::path("calibration") / "perspective.txt"});
+  dataset.rig = ReadRig(KittiCalibration(dataset.calibration), cameras,
+                        pairs.front().images[0].path, FirstImageSize(dataset));
+  AddGroundtruth(options, {}, {}, dataset);
   return dataset;
 }
 

@@ -7,12 +7,11 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
 #include "image_names.h"
 #include "image_pairs.h"
 #include "plain_images.h"
 #include "times_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -204,13 +203,8 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
   }
   // What is wrong with the images first: they are what was named.
   AddImages(*found, options, dataset);
-  if (!options.calibration) {
-    throw Error(root.string() + ": a plain data set needs a calibration file (--calibration)");
-  }
-  dataset.rig = RigFromCalibration(*options.calibration);
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  }
+  SetCalibration(CalibrationFiles(options), dataset);
+  AddGroundtruth(options, {}, {}, dataset);
   return dataset;
 }
 

@@ -38,6 +38,11 @@ std::string H5InputFile::Place(const std::string& name) const {
   return path_.string() + ": " + Quoted(name);
 }
 
+bool H5InputFile::Has(const std::string& name) const {
+  const H5Session session;
+  return H5Lexists(file_.id(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
 std::vector<std::string> H5InputFile::GroupsWith(const std::string& dataset) const {
   struct Search {
     std::string ending;

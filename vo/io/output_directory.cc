@@ -1,14 +1,11 @@
 #include "gluevo/vo/io/output_directory.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 
 namespace gluevo::vo {
 
@@ -22,14 +19,11 @@ void MakeOutputDirectory(const std::filesystem::path& directory) {
   if (code) {
     throw Error(directory.string() + ": cannot be made: " + code.message());
   }
-  std::string trial = (directory / ".gluevo-XXXXXX").string();
-  const int file = mkstemp(trial.data());
-  if (file < 0) {
-    throw Error(directory.string() +
-                ": no file can be made in it: " + std::generic_category().message(errno));
+  try {
+    nn::CheckPlaceForFile(directory / ".gluevo");
+  } catch (const Error& error) {
+    throw Error(directory.string() + ": no file can be made in it (" + error.what() + ")");
   }
-  close(file);
-  std::filesystem::remove(trial, code);
 }
 
 OutputDirectory::OutputDirectory(std::filesystem::path path)

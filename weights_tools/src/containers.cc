@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gluevo/nn/bytes.h"
+#include "gluevo/nn/foreign_file.h"
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/npy.h"
 #include "gluevo/nn/zip.h"
@@ -21,32 +22,14 @@ bool StartsWith(const nn::Bytes& file, std::string_view start) {
       .starts_with(start);
 }
 
-constexpr const char* kKnownForms =
-    "expected .pth or .pt of PyTorch, .safetensors, .npz, .npy or .onnx";
+constexpr const char* kKnownForms = ".pth or .pt of PyTorch, .safetensors, .npz, .npy or .onnx";
 
-// Files that users have instead of the one they meant.
-void RefuseUsualMistakes(const nn::Bytes& file) {
+void RefuseOtherFiles(const nn::Bytes& file) {
   if (file.size() == 0) {
-    file.Fail(0, std::string("the file is empty, ") + kKnownForms);
+    file.Fail(0, std::string("the file is empty, expected ") + kKnownForms);
   }
-  constexpr std::size_t kTarNameAt = 257;
-  if (StartsWith(file, "version https://git-lfs")) {
-    file.Fail(0, "the file is a pointer of Git LFS: fetch the file itself with git lfs pull");
-  }
-  if (StartsWith(file, "<!DOCTYPE") || StartsWith(file, "<html")) {
-    file.Fail(0, "the file is a web page, expected weights: it was not downloaded as it should be");
-  }
-  if (file.size() > kTarNameAt + 5 &&
-      StartsWith(file.Slice(kTarNameAt, file.size() - kTarNameAt, ""), "ustar")) {
-    file.Fail(0,
-              "the file is a tar archive: unpack it, or, where PyTorch wrote it before 0.1.10, "
-              "save it again with a later version");
-  }
-  if (StartsWith(file, "\x1f\x8b")) {
-    file.Fail(0, "the file is compressed by gzip: unpack it first");
-  }
-  if (StartsWith(file, "\x89HDF")) {
-    file.Fail(0, std::string("the file is HDF5, ") + kKnownForms);
+  if (const std::optional<std::string> form = nn::ForeignForm(file, kKnownForms)) {
+    file.Fail(0, "the file is " + *form);
   }
 }
 
@@ -56,7 +39,7 @@ nn::Weights ParseSafetensors(const nn::Bytes& file, const std::string& source) {
   const bool looks_so =
       file.size() > kHeaderAt && (file.data()[kHeaderAt] == '{' || file.data()[kHeaderAt - 1] == 0);
   if (!looks_so) {
-    file.Fail(0, std::string("the file is of no known form, ") + kKnownForms);
+    file.Fail(0, std::string("the file is of no known form, expected ") + kKnownForms);
   }
   return nn::ParseWeights(file.data(), file.size(), source);
 }
@@ -87,7 +70,7 @@ Container ParseZip(const nn::Bytes& file) {
 }
 
 Container Parse(const nn::Bytes& file, const std::string& source) {
-  RefuseUsualMistakes(file);
+  RefuseOtherFiles(file);
   if (StartsWith(file, "PK")) {
     Container container = ParseZip(file);
     if (container.form == "npz") {

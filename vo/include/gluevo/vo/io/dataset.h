@@ -28,9 +28,11 @@ enum class DatasetFormat {
 
 struct DatasetOptions {
   std::optional<DatasetFormat> format;  ///< Recognised where absent.
-  /// Kalibr camchain or OpenCV yaml: needed by kPlain, in place of sensor.yaml for kEuroc, an Error
-  /// for KITTI.
+  /// A file, or a folder with one, that ReadCalibration reads: needed by kPlain, in place of
+  /// sensor.yaml for kEuroc, an Error for KITTI.
   std::optional<std::filesystem::path> calibration;
+  /// The second file of a calibration that is in two.
+  std::optional<std::filesystem::path> calibration_mate;
   std::optional<std::filesystem::path> groundtruth;  ///< Found where the format says, if absent.
   /// Images a second where a plain data set has no times; 10 where absent, with a warning.
   std::optional<double> rate_hz;
@@ -54,6 +56,7 @@ struct Dataset {
   std::filesystem::path root;
   DatasetFormat format = DatasetFormat::kEuroc;
   StereoRig rig;
+  std::filesystem::path calibration;  ///< The file that the rig is from, for messages.
   std::vector<Entry> entries;
   /// Poses of the rig's body; absent where the data set has none.
   std::optional<Trajectory> groundtruth;
@@ -61,7 +64,8 @@ struct Dataset {
   int gray_bits = 16;
   /// Images of either camera that are in no entry: without a mate, or named in a list and missing.
   int images_left_out = 0;
-  /// What a user should know, a sentence each: images left out, times that are assumed.
+  /// What a user should know, a sentence each: images left out, times that are assumed,
+  /// doubts about the calibration.
   std::vector<std::string> warnings;
   /// How the data set was understood where there was a choice, a sentence each.
   std::vector<std::string> notes;
