@@ -30,11 +30,15 @@ constexpr Format kFormats[] = {
     {DatasetFormat::kPlain, &IsPlain, &OpenPlain, true},
 };
 
+// Of folders that nobody named, and that may not be ours to read.
 bool IsDataset(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::is_directory(folder, ignored) &&
-         std::any_of(std::begin(kFormats), std::end(kFormats),
-                     [&](const Format& format) { return format.is(folder); });
+  try {
+    return fs::is_directory(folder) &&
+           std::any_of(std::begin(kFormats), std::end(kFormats),
+                       [&](const Format& format) { return format.is(folder); });
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 // The data set that was meant, where it lies in the folder that was named, or that one in it.

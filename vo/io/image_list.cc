@@ -99,7 +99,10 @@ std::vector<fs::path> ListImages(const fs::path& folder) {
 
 std::vector<fs::path> ListImagesBelow(const fs::path& folder) {
   if (!IsFolder(folder)) {
-    throw Error(folder.string() + ": no such folder");
+    std::error_code ignored;
+    throw Error(folder.string() + (fs::exists(folder, ignored)
+                                       ? ": a file, expected a folder of images"
+                                       : ": no such folder"));
   }
   std::vector<fs::path> images;
   AddImagesBelow(folder, {}, images);
