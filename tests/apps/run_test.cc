@@ -123,6 +123,19 @@ TEST_F(RunTest, SaysWhereEachOptionsValueComesFrom) {
   EXPECT_EQ(metrics["option_origins"]["max-keypoints"], "method");
 }
 
+TEST_F(RunTest, SaysHowManyImagesAreLeftOut) {
+  const fs::path root = MakeKitti();
+  fs::remove(ImagePath(root, 1, 2));
+  const Outcome outcome = Run("run " + root.string() + " --method klt -o " + Path("out"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.error.find("warning: 1 of 4 left images has no mate"), std::string::npos)
+      << outcome.error;
+  const auto metrics = nlohmann::json::parse(Contents(Path("out/metrics.json")));
+  EXPECT_EQ(metrics["frames"], 3);
+  EXPECT_EQ(metrics["images_left_out"], 1);
+  EXPECT_NE(metrics["warnings"].dump().find("000002.png"), std::string::npos);
+}
+
 TEST_F(RunTest, RefusesABadOutputBeforeTheFirstFrame) {
   const fs::path root = MakeKitti();
   // No frame can be read: whoever looks at one first complains of it.

@@ -30,19 +30,23 @@ constexpr Format kFormats[] = {
     {DatasetFormat::kPlain, &IsPlain, &OpenPlain, true},
 };
 
+// Of folders that nobody named, and that may not be ours to read.
 bool IsDataset(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::is_directory(folder, ignored) &&
-         std::any_of(std::begin(kFormats), std::end(kFormats),
-                     [&](const Format& format) { return format.is(folder); });
+  try {
+    return fs::is_directory(folder) &&
+           std::any_of(std::begin(kFormats), std::end(kFormats),
+                       [&](const Format& format) { return format.is(folder); });
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 // The data set that was meant, where it lies in the folder that was named, or that one in it.
 std::string DidYouMean(const fs::path& root) {
   std::vector<fs::path> folders;
   std::error_code code;
-  for (auto entry = fs::directory_iterator(root, code);
-       !code && entry != fs::directory_iterator(); entry.increment(code)) {
+  for (auto entry = fs::directory_iterator(root, code); !code && entry != fs::directory_iterator();
+       entry.increment(code)) {
     folders.push_back(entry->path());
   }
   std::sort(folders.begin(), folders.end());

@@ -24,8 +24,7 @@ struct Cameras {
 };
 
 Cameras CamerasOf(const fs::path& root) {
-  const bool colour = !fs::is_directory(root / "image_0") &&
-                      !fs::is_directory(root / "image_1") &&
+  const bool colour = !fs::is_directory(root / "image_0") && !fs::is_directory(root / "image_1") &&
                       (fs::is_directory(root / "image_2") || fs::is_directory(root / "image_3"));
   return colour ? Cameras{{root / "image_2", root / "image_3"}, {"P2", "P3"}}
                 : Cameras{{root / "image_0", root / "image_1"}, {"P0", "P1"}};

@@ -144,10 +144,10 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
     }
     dataset.entries.push_back({*times[number], {images[0].path, images[1].path}});
   }
-  dataset.calibration = FindAbove(
-      root, {"calib_cam_to_cam.txt", "perspective.txt", fs::path("calibration") / "perspective.txt"});
-  dataset.rig = ReadRig(KittiCalibration(dataset.calibration), cameras, pairs.front().images[0].path,
-                        FirstImageSize(dataset));
+  dataset.calibration = FindAbove(root, {"calib_cam_to_cam.txt", "perspective.txt",
+                                         fs::path("calibration") / "perspective.txt"});
+  dataset.rig = ReadRig(KittiCalibration(dataset.calibration), cameras,
+                        pairs.front().images[0].path, FirstImageSize(dataset));
   AddGroundtruth(options, {}, {}, dataset);
   return dataset;
 }

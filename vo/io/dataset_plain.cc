@@ -68,26 +68,24 @@ void NoteTimes(const TimesFile& times, Dataset& dataset) {
 
 void AddEntries(const ImagePairs& pairs, Dataset& dataset) {
   for (const ImagePair& pair : pairs.pairs) {
-    dataset.entries.push_back(
-        {pair.images[0].key, {pair.images[0].path, pair.images[1].path}});
+    dataset.entries.push_back({pair.images[0].key, {pair.images[0].path, pair.images[1].path}});
   }
 }
 
 ImagePairs Pair(const ImageNames& names, bool stamped, const DatasetOptions& options,
                 Dataset& dataset) {
-  ImagePairs pairs =
-      PairImages(names.images, stamped ? PairTolerance(names.images, options) : 0,
-                 stamped                            ? "time"
-                 : names.kind == KeyKind::kNumbers ? "number"
-                                                    : "name");
+  ImagePairs pairs = PairImages(names.images, stamped ? PairTolerance(names.images, options) : 0,
+                                stamped                           ? "time"
+                                : names.kind == KeyKind::kNumbers ? "number"
+                                                                  : "name");
   if (pairs.pairs.empty()) {
     const auto folder = [&](std::size_t side) {
       return names.images[side].empty() ? std::string("the other camera")
                                         : names.images[side].front().path.parent_path().string();
     };
-    const char* const same = stamped                            ? "a time near that of"
+    const char* const same = stamped                           ? "a time near that of"
                              : names.kind == KeyKind::kNumbers ? "the same number as"
-                                                                : "the same name as";
+                                                               : "the same name as";
     throw Error(folder(0) + ": no image has " + same + " one in " + folder(1) +
                 HowFarApart(pairs, stamped));
   }
@@ -120,8 +118,8 @@ void AddTimed(ImageNames names, const TimesFile& times, const DatasetOptions& op
   std::sort(mates.begin(), mates.end());
   TakeTimes(times, names, 0, first_number, dataset);
   for (const KeyedImage& image : names.images[0]) {
-    const auto mate = std::lower_bound(mates.begin(), mates.end(),
-                                       std::pair(image.path, fs::path()));
+    const auto mate =
+        std::lower_bound(mates.begin(), mates.end(), std::pair(image.path, fs::path()));
     if (mate != mates.end() && mate->first == image.path) {
       dataset.entries.push_back({image.key, {mate->first, mate->second}});
     }

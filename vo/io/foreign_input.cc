@@ -29,7 +29,10 @@ constexpr Kind kKinds[] = {{0, "#ROSBAG"sv, "a ROS bag"},
                            {0, "\x1F\x8B"sv, "a gzip archive"},
                            {0, "7z\xBC\xAF"sv, "a 7z archive"},
                            {0, "Rar!"sv, "a rar archive"},
-                           {0, "\xFD" "7zXZ"sv, "an xz archive"},
+                           {0,
+                            "\xFD"
+                            "7zXZ"sv,
+                            "an xz archive"},
                            {257, "ustar"sv, "a tar archive"},
                            {4, "ftyp"sv, "a video"},
                            {8, "AVI "sv, "a video"},
@@ -95,9 +98,8 @@ std::string ForeignFilesIn(const fs::path& folder) {
   std::error_code ignored;
   for (auto entry = fs::directory_iterator(folder, code);
        !code && entry != fs::directory_iterator(); entry.increment(code)) {
-    const std::string what = fs::is_regular_file(entry->path(), ignored)
-                                 ? WhatFileIs(entry->path())
-                                 : std::string("a folder");
+    const std::string what = fs::is_regular_file(entry->path(), ignored) ? WhatFileIs(entry->path())
+                                                                         : std::string("a folder");
     for (const char* const kind : {"bag", "recording", "video", "archive"}) {
       if (what.find(kind) != std::string::npos) {
         files.push_back(entry->path());

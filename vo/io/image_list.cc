@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kEndings[] = {".png", ".jpg", ".jpeg", ".jpe", ".jfif",
-                                    ".pgm", ".ppm", ".pnm",  ".pbm", ".bmp",
+constexpr const char* kEndings[] = {".png", ".jpg", ".jpeg", ".jpe",  ".jfif",
+                                    ".pgm", ".ppm", ".pnm",  ".pbm",  ".bmp",
                                     ".dib", ".tif", ".tiff", ".webp", ".jp2"};
 
 std::string LowerEnding(const fs::path& name) {
@@ -76,9 +76,8 @@ std::string What(const fs::path& folder) {
   if (files.empty()) {
     return folders == 0 ? "the folder is empty" : "there are only folders in it";
   }
-  const auto most =
-      std::max_element(files.begin(), files.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  const auto most = std::max_element(
+      files.begin(), files.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   const std::string ending = most->first.empty() ? "without an ending" : Quoted(most->first);
   return "there are files " + ending + " (" + std::to_string(most->second) +
          "), expected .png, .jpg, .pgm, .ppm, .bmp, .tif, .webp or .jp2";
@@ -100,7 +99,10 @@ std::vector<fs::path> ListImages(const fs::path& folder) {
 
 std::vector<fs::path> ListImagesBelow(const fs::path& folder) {
   if (!IsFolder(folder)) {
-    throw Error(folder.string() + ": no such folder");
+    std::error_code ignored;
+    throw Error(folder.string() + (fs::exists(folder, ignored)
+                                       ? ": a file, expected a folder of images"
+                                       : ": no such folder"));
   }
   std::vector<fs::path> images;
   AddImagesBelow(folder, {}, images);

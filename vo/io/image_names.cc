@@ -31,9 +31,9 @@ CameraNames ReadCamera(const std::vector<fs::path>& images) {
     ++counts[parts.back().skeleton];
   }
   CameraNames camera;
-  const auto most = std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
-    return a.second < b.second;
-  });
+  const auto most =
+      std::max_element(counts.begin(), counts.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
   if (counts.empty() || 2 * most->second <= images.size()) {
     camera.images = images;
     return camera;
@@ -161,8 +161,8 @@ std::optional<std::size_t> SideOfName(const std::string& name, std::string& rest
     const bool right = word.find("right") != std::string::npos || word == "r" || next == "1";
     if (left != right) {
       const std::size_t last = camera ? i + 1 : i;
-      rest = name.substr(0, words[i].begin) +
-             name.substr(words[last].begin + words[last].text.size());
+      rest =
+          name.substr(0, words[i].begin) + name.substr(words[last].begin + words[last].text.size());
       return left ? 0 : 1;
     }
   }

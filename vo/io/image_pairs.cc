@@ -13,9 +13,9 @@ namespace {
 using KeyedImages = std::vector<KeyedImage>;
 
 void CheckOnce(const KeyedImages& images, const std::string& key_name) {
-  const auto twice = std::adjacent_find(
-      images.begin(), images.end(),
-      [](const KeyedImage& a, const KeyedImage& b) { return a.key == b.key; });
+  const auto twice =
+      std::adjacent_find(images.begin(), images.end(),
+                         [](const KeyedImage& a, const KeyedImage& b) { return a.key == b.key; });
   if (twice != images.end()) {
     throw Error((twice + 1)->path.string() + ": has the same " + key_name + " as " +
                 twice->path.string());
@@ -103,11 +103,10 @@ void ReportPairs(const ImagePairs& pairs, bool stamped, Dataset& dataset) {
   dataset.images_left_out += static_cast<int>(left + right);
   if (left + right > 0) {
     const KeyedImage& first = left > 0 ? pairs.alone[0].front() : pairs.alone[1].front();
-    std::string text =
-        left > 0 && right > 0 ? Count(left, pairs.all[0], "left and ") +
-                                    Count(right, pairs.all[1], "right images")
-        : left > 0            ? Count(left, pairs.all[0], "left images")
-                              : Count(right, pairs.all[1], "right images");
+    std::string text = left > 0 && right > 0 ? Count(left, pairs.all[0], "left and ") +
+                                                   Count(right, pairs.all[1], "right images")
+                       : left > 0 ? Count(left, pairs.all[0], "left images")
+                                  : Count(right, pairs.all[1], "right images");
     dataset.warnings.push_back(text + (left + right > 1 ? " have" : " has") +
                                " no mate and are left out (the first is " + first.path.string() +
                                ")" + HowFarApart(pairs, stamped));

@@ -18,7 +18,7 @@ struct ImagePair {
 };
 
 struct ImagePairs {
-  std::vector<ImagePair> pairs;  ///< In the order of the left keys.
+  std::vector<ImagePair> pairs;                  ///< In the order of the left keys.
   std::array<std::vector<KeyedImage>, 2> alone;  ///< Images without a mate.
   std::array<std::size_t, 2> all = {0, 0};       ///< Images there were.
   int64_t tolerance = 0;
@@ -29,13 +29,13 @@ struct ImagePairs {
 
 /// Pairs each image with the nearest of the other camera where each is the other's nearest and
 /// their keys differ by at most `tolerance`. Both lists are in the order of keys. Throws Error
-/// naming both images where two of a camera have the same key, which is called `key_name` ("number",
-/// "time").
+/// naming both images where two of a camera have the same key, which is called `key_name`
+/// ("number", "time").
 ImagePairs PairImages(const std::array<std::vector<KeyedImage>, 2>& images, int64_t tolerance,
                       const std::string& key_name);
 
-/// How far the stamps of a pair may be apart, nanoseconds: what the options say, else a tenth of the
-/// time from one image to the next (the middle one of these times), 1 ms of single images.
+/// How far the stamps of a pair may be apart, nanoseconds: what the options say, else a tenth of
+/// the time from one image to the next (the middle one of these times), 1 ms of single images.
 int64_t PairTolerance(const std::array<std::vector<KeyedImage>, 2>& images,
                       const DatasetOptions& options);
 

@@ -153,9 +153,8 @@ bool GoUpWithNames(const std::vector<NameParts>& parts, const std::vector<int64_
     return false;
   };
   std::stable_sort(order.begin(), order.end(), name_before);
-  return std::is_sorted(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return values[a] < values[b];
-  });
+  return std::is_sorted(order.begin(), order.end(),
+                        [&](std::size_t a, std::size_t b) { return values[a] < values[b]; });
 }
 
 bool AllDiffer(std::vector<int64_t> values) {

@@ -18,8 +18,8 @@ std::vector<fs::path> Folders(const fs::path& root) {
   std::vector<fs::path> folders;
   std::error_code code;
   std::error_code ignored;
-  for (auto entry = fs::directory_iterator(root, code);
-       !code && entry != fs::directory_iterator(); entry.increment(code)) {
+  for (auto entry = fs::directory_iterator(root, code); !code && entry != fs::directory_iterator();
+       entry.increment(code)) {
     if (fs::is_directory(entry->path(), ignored) &&
         !entry->path().filename().string().starts_with('.')) {
       folders.push_back(entry->path());

@@ -139,8 +139,8 @@ std::optional<int64_t> DecimalInNanoseconds(std::string_view text, StampUnit uni
     return ParseSeconds(text);
   }
   const std::size_t e = text.find_first_of("eE");
-  const auto exponent = e == std::string_view::npos ? std::optional<int64_t>(0)
-                                                    : ParseInteger(text.substr(e + 1));
+  const auto exponent =
+      e == std::string_view::npos ? std::optional<int64_t>(0) : ParseInteger(text.substr(e + 1));
   if (!exponent) {
     return std::nullopt;
   }

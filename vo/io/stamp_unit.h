@@ -42,7 +42,8 @@ std::optional<int64_t> InNanoseconds(int64_t stamp, StampUnit unit);
 /// The same of a decimal number in a unit: "1403715273262.5" milliseconds.
 std::optional<int64_t> DecimalInNanoseconds(std::string_view text, StampUnit unit);
 
-/// The unit of decimal numbers: seconds, or what follows from their size where they count from 1970.
+/// The unit of decimal numbers: seconds, or what follows from their size where they count from
+/// 1970.
 StampUnit UnitOfDecimals(double largest);
 
 /// "2011-09-26 13:02:25.964389445" (also with a T between), in nanoseconds since 1970.

@@ -36,9 +36,9 @@ TimesFile ReadTimesFile(const std::filesystem::path& path);
 std::array<std::optional<std::filesystem::path>, 3> FindTimesFiles(
     const std::filesystem::path& root, const std::array<std::filesystem::path, 2>& folders);
 
-/// The time of each image: by the names of rows where they have some that fit; else row n belongs to
-/// image n where there are as many rows as images; else, where images are numbered, to the one of
-/// that number, counted from 0 or from `first_number`. Nothing for images without a row. Throws
+/// The time of each image: by the names of rows where they have some that fit; else row n belongs
+/// to image n where there are as many rows as images; else, where images are numbered, to the one
+/// of that number, counted from 0 or from `first_number`. Nothing for images without a row. Throws
 /// Error naming file and both counts where no row can be told from another.
 std::vector<std::optional<int64_t>> TimesOfImages(const TimesFile& times,
                                                   const std::vector<KeyedImage>& images,

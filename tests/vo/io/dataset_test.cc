@@ -240,9 +240,8 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
                  {"mav0/cam0: no such folder"});
   ExpectContains(broken([](const fs::path& mav0) { fs::remove(mav0 / "cam1" / "data.csv"); }),
                  {"cam1/data.csv: no such file"});
-  ExpectContains(
-      broken([](const fs::path& mav0) { fs::remove(mav0 / "cam1" / "data" / "300.png"); }),
-      {"cam1/data/300.png: no such image"});
+  ExpectContains(broken([](const fs::path& mav0) { fs::remove_all(mav0 / "cam1" / "data"); }),
+                 {"cam1/data/100.png: no such image", "none of the others"});
   ExpectContains(broken([](const fs::path& mav0) { fs::remove(mav0 / "cam0" / "sensor.yaml"); }),
                  {"cam0/sensor.yaml: no such file"});
   const auto csv = [&](const std::string& text) {
@@ -272,6 +271,91 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
   ExpectContains(yaml("0.0, 0.0, 0.0, 1.0]", "1.0]"), {"T_BS has 13 numbers"});
   ExpectContains(yaml("[32, 24]", "[32, 24"), {"sensor.yaml:", "not YAML"});
   ExpectContains(yaml("0.21", "0.10"), {"in the same place"});
+}
+
+TEST_F(DatasetTest, LeavesOutWhatIsMissingAndSaysSo) {
+  const fs::path euroc = MakeEuroc();
+  fs::remove(euroc / "mav0" / "cam1" / "data" / "300.png");
+  const Dataset without_file = OpenDataset(euroc, {});
+  EXPECT_EQ(without_file.entries.size(), 3U);
+  EXPECT_EQ(without_file.images_left_out, 4);  // The mate, and one of each without any.
+  ASSERT_EQ(without_file.warnings.size(), 2U);
+  ExpectContains(without_file.warnings[0], {"1 images", "cam1/data.csv", "cam1/data/300.png"});
+  ExpectContains(without_file.warnings[1], {"2 of 5 left and 1 of 4 right images", "no mate",
+                                            "50 ns apart", "--pair-tolerance"});
+
+  const fs::path kitti = MakeKittiOdometry();
+  fs::remove(kitti / "image_1" / "000001.png");
+  const Dataset without_mate = OpenDataset(kitti, {});
+  EXPECT_EQ(without_mate.entries.size(), 2U);
+  EXPECT_EQ(without_mate.images_left_out, 1);
+  ExpectContains(without_mate.warnings.at(0), {"1 of 3 left images", "image_0/000001.png"});
+}
+
+TEST_F(DatasetTest, PairsEurocsStampsThatAreNearlyTheSame) {
+  const fs::path root = MakeEuroc();
+  WriteText(root / "mav0" / "cam1" / "data.csv",
+            "#timestamp [ns],filename\n105,100.png\n195,200.jpg\n310,300.png\n411,400.png\n");
+  const Dataset dataset = OpenDataset(root, {});
+  ASSERT_EQ(dataset.entries.size(), 3U);  // A tenth of the step is 10.
+  EXPECT_EQ(dataset.entries[1].timestamp_ns, 200);
+  EXPECT_EQ(dataset.entries[1].images[1].filename(), "200.jpg");
+  ExpectContains(dataset.notes.at(0), {"differ by up to 10 ns"});
+  DatasetOptions options;
+  options.pair_tolerance_s = 11e-9;
+  EXPECT_EQ(OpenDataset(root, options).entries.size(), 4U);
+  options.pair_tolerance_s = 0.0;
+  ExpectContains(ErrorOf(root, options),
+                 {"no image of cam0 has the same time as one of cam1", "apart", "at most 0 ns"});
+  options.pair_tolerance_s = -1.0;
+  ExpectContains(ErrorOf(root, options), {"--pair-tolerance"});
+}
+
+TEST_F(DatasetTest, ReadsKittisColourCamerasWithCamera0AsTheBody) {
+  const fs::path root = MakeKittiOdometry();
+  fs::rename(root / "image_0", root / "image_2");
+  fs::rename(root / "image_1", root / "image_3");
+  WriteText(root / "calib.txt",
+            "P0: 20 0 16 0 0 21 12 0 0 0 1 0\nP1: 20 0 16 -10 0 21 12 0 0 0 1 0\n"
+            "P2: 20 0 16 2 0 20 12 0 0 0 1 0\nP3: 20 0 16 -8 0 20 12 0 0 0 1 0\n");
+  const Dataset dataset = OpenDataset(root, {});
+  EXPECT_EQ(dataset.format, DatasetFormat::kKittiOdometry);
+  EXPECT_EQ(dataset.entries.size(), 3U);
+  EXPECT_EQ(dataset.rig.body_frame, "camera 0");
+  EXPECT_TRUE(dataset.rig.body_from_cam[0].translation.isApprox(Eigen::Vector3d(-0.1, 0, 0)));
+  EXPECT_TRUE(dataset.rig.right_from_left().translation.isApprox(Eigen::Vector3d(-0.5, 0, 0)));
+}
+
+TEST_F(DatasetTest, ReadsKitti360) {
+  const fs::path drive = folder() / "kitti_360" / "data_2d_raw" / "drive_sync";
+  for (const char* const camera : {"image_00", "image_01"}) {
+    for (const char* const name : {"0000000000.png", "0000000001.png"}) {
+      WriteImage(drive / camera / "data_rect" / name, 10);
+    }
+    WriteText(drive / camera / "timestamps.txt",
+              "2013-05-28 08:46:02.100\n2013-05-28 08:46:02.203\n");
+  }
+  WriteText(folder() / "kitti_360" / "calibration" / "perspective.txt",
+            "calib_time: 28-May-2013\nS_00: 32 24\nS_rect_00: 32 24\n"
+            "P_rect_00: 20 0 16 0 0 20 12 0 0 0 1 0\nP_rect_01: 20 0 16 -12 0 20 12 0 0 0 1 0\n");
+  const Dataset dataset = OpenDataset(drive, {});
+  EXPECT_EQ(dataset.format, DatasetFormat::kKittiRaw);
+  ASSERT_EQ(dataset.entries.size(), 2U);
+  EXPECT_EQ(dataset.entries[1].timestamp_ns, 103000000);
+  EXPECT_NEAR(dataset.rig.baseline(), 0.6, 1e-12);
+}
+
+TEST_F(DatasetTest, SaysWhereTheDataSetIsAndWhatIsNone) {
+  const fs::path euroc = MakeEuroc();
+  ExpectContains(ErrorOf(folder()), {"did you mean", euroc.string()});
+  ExpectContains(ErrorOf(euroc / "mav0" / "cam0" / "data"), {"did you mean", "euroc/mav0?"});
+  fs::create_directories(folder() / "bags");
+  WriteText(folder() / "bags" / "V1.bag", "#ROSBAG V2.0\n");
+  ExpectContains(ErrorOf(folder() / "bags" / "V1.bag"), {"V1.bag: a ROS bag, not a folder"});
+  fs::remove_all(euroc);
+  ExpectContains(ErrorOf(folder() / "bags"), {"V1.bag in it is a ROS bag", "extracted"});
+  WriteText(folder() / "a.zip", "PK\x03\x04");
+  ExpectContains(ErrorOf(folder() / "a.zip"), {"a zip archive, not a folder"});
 }
 
 TEST_F(DatasetTest, NamesImagesThatCannotBeRead) {
@@ -383,10 +467,16 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithKittiOdometry) {
                  {"06/image_1: no such folder"});
   ExpectContains(broken([](const fs::path& root) { fs::remove_all(root / "image_0"); }),
                  {"06/image_0: no such folder"});
-  ExpectContains(broken([](const fs::path& root) { fs::remove(root / "image_1" / "000001.png"); }),
-                 {"image_1/000001.png: no such image"});
-  ExpectContains(broken([](const fs::path& root) { fs::remove(root / "image_0" / "000001.png"); }),
-                 {"image_0/000001.png: no such image"});
+  ExpectContains(broken([](const fs::path& root) {
+                   fs::remove_all(root / "image_1");
+                   WriteImage(root / "image_1" / "000004.png", 1);
+                 }),
+                 {"image_0: no image has the same number as one in ", "image_1"});
+  ExpectContains(broken([](const fs::path& root) {
+                   fs::remove_all(root / "image_1");
+                   WriteText(root / "image_1" / "000000.raw", "");
+                 }),
+                 {"image_1: no images in it", "\".raw\" (1)", ".png"});
   ExpectContains(broken([](const fs::path& root) { WriteImage(root / "image_0" / "1.png", 1); }),
                  {"1.png: has the same number"});
   ExpectContains(broken([](const fs::path& root) { fs::remove(root / "calib.txt"); }),
@@ -398,7 +488,11 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithKittiOdometry) {
   ExpectContains(
       broken([](const fs::path& root) { WriteText(root / "times.txt", "0\n1\n1\n2\n"); }),
       {"times.txt:3: "});
-  ExpectContains(broken([](const fs::path& root) { Shorten(root / "image_0" / "000000.png"); }),
+  ExpectContains(broken([](const fs::path& root) {
+                   for (const char* const name : {"000000.png", "000001.png", "000003.png"}) {
+                     Shorten(root / "image_0" / name);
+                   }
+                 }),
                  {"image_0/000000.png"});
   const auto calibration = [&](const std::string& from, const std::string& to) {
     return broken([&](const fs::path& root) { Replace(root / "calib.txt", from, to); });
@@ -472,10 +566,6 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithKittiRaw) {
                  {"image_01/data: no such folder"});
   ExpectContains(broken([](const fs::path& root) { fs::remove_all(root / "image_00"); }),
                  {"image_00/data: no such folder"});
-  ExpectContains(broken([](const fs::path& root) {
-                   fs::remove(root / "image_01" / "data" / "0000000004.png");
-                 }),
-                 {"image_01/data/0000000004.png: no such image"});
   const auto times = [&](const std::string& from, const std::string& to) {
     return broken(
         [&](const fs::path& root) { Replace(root / "image_00" / "timestamps.txt", from, to); });
@@ -554,7 +644,8 @@ TEST_F(DatasetTest, TakesPlainTimesFromNames) {
   const Dataset dataset = OpenDataset(MakePlain({"f10.png", "f2.png", "f1.png"}), options);
   EXPECT_EQ(dataset.entries[1].images[0].filename(), "f2.png");
   EXPECT_EQ(dataset.entries[2].images[0].filename(), "f10.png");
-  EXPECT_EQ(dataset.entries[2].timestamp_ns, 200000000);
+  // A gap in the numbers is one in the times.
+  EXPECT_EQ(dataset.entries[2].timestamp_ns, 900000000);
 }
 
 constexpr const char* kOpenCvCalibration =
@@ -617,7 +708,7 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithPlainFolders) {
   ExpectContains(ErrorOf(root, options), {"camchain.yaml: cam1 has no T_cn_cnm1"});
   Camchain();
   fs::rename(root / "right" / "1.png", root / "right" / "2.png");
-  ExpectContains(ErrorOf(root, options), {"plain/left", "plain/right", "same name"});
+  ExpectContains(ErrorOf(root, options), {"plain/left", "plain/right", "same number"});
   fs::remove_all(root / "right");
   options.format = DatasetFormat::kPlain;
   ExpectContains(ErrorOf(root, options), {"no two folders"});
@@ -628,7 +719,7 @@ TEST_F(DatasetTest, SaysWhatItLookedFor) {
   ExpectContains(ErrorOf(folder() / "empty"),
                  {"empty: ", "mav0", "image_0", "image_00", "left and right"});
   WriteText(folder() / "file", "");
-  ExpectContains(ErrorOf(folder() / "file"), {"file: no such folder"});
+  ExpectContains(ErrorOf(folder() / "file"), {"file: a file, not a folder"});
   DatasetOptions options;
   options.format = DatasetFormat::kKittiRaw;
   ExpectContains(ErrorOf(MakeEuroc(), options), {"image_00/data: no such folder"});

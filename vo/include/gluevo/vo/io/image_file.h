@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-// The image files that all commands take, and how they are read. Hidden files (names that begin with
-// a dot) are no images; links are followed, to files and to folders.
+// The image files that all commands take, and how they are read. Hidden files (names that begin
+// with a dot) are no images; links are followed, to files and to folders.
 namespace gluevo::vo {
 
 /// Whether a name ends as an image file's: .png, .jpg, .jpeg, .jpe, .jfif, .pgm, .ppm, .pnm, .pbm,
@@ -35,9 +35,9 @@ struct GrayImage {
 /// read. Cameras of 10 and 12 bits are often stored so.
 int GrayBits(const std::vector<std::filesystem::path>& images);
 
-/// Reads a gray or colour image. Of 16-bit values the upper eight of the lowest `gray_bits` bits are
-/// taken, values beyond them being 255; other files are not affected. Throws Error naming the file
-/// where it is missing, empty, cut off or not an image.
+/// Reads a gray or colour image. Of 16-bit values the upper eight of the lowest `gray_bits` bits
+/// are taken, values beyond them being 255; other files are not affected. Throws Error naming the
+/// file where it is missing, empty, cut off or not an image.
 GrayImage ReadGrayImage(const std::filesystem::path& file, int gray_bits = 16);
 
 /// The orientation that a file asks for, 1 where it asks for none or cannot be read.
