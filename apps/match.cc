@@ -17,8 +17,9 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
-#include "image_files.h"
+#include "gluevo/vo/io/image_file.h"
 #include "options/network_options.h"
+#include "pair_list.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -51,36 +52,10 @@ int CountMatches(const nn::Matches& matches) {
                                         [](int match) { return match >= 0; }));
 }
 
-std::vector<std::pair<std::string, std::string>> ReadPairs(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file || fs::is_directory(path)) {
-    throw Error(path.string() + ": cannot be read (--pairs)");
-  }
-  std::vector<std::pair<std::string, std::string>> pairs;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    std::istringstream words(line);
-    std::string name0;
-    std::string name1;
-    std::string more;
-    if (!(words >> name0)) {
-      continue;
-    }
-    if (!(words >> name1) || words >> more) {
-      throw Error(path.string() + ":" + std::to_string(number) +
-                  ": expected two names, \"name0 name1\"");
-    }
-    pairs.emplace_back(name0, name1);
-  }
-  if (pairs.empty()) {
-    throw Error(path.string() + ": no pairs");
-  }
-  return pairs;
-}
-
 void MatchFile(const MatchArguments& arguments) {
-  const auto pairs = ReadPairs(arguments.pairs);
   const vo::FeatureReader reader(arguments.inputs[0]);
+  const PairList list = ReadPairList(arguments.pairs, reader.images());
+  const auto& pairs = list.pairs;
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks =
       vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
@@ -102,6 +77,12 @@ void MatchFile(const MatchArguments& arguments) {
   writer.Finish();
   std::cout << pairs.size() << " pairs, " << total << " matches: " << arguments.output.string()
             << '\n';
+  if (list.repeated > 0) {
+    std::cout << list.repeated << " lines of the list repeat a pair, which is matched once\n";
+  }
+  if (list.renamed > 0) {
+    std::cout << list.renamed << " pairs are stored under the names that the features have\n";
+  }
 }
 
 // A 3 x 3 matrix in an OpenCV yaml or xml file, or nine numbers in a text file.
@@ -185,12 +166,23 @@ void Draw(const fs::path& path, const cv::Mat& image0, const cv::Mat& image1,
   });
 }
 
+cv::Mat ReadImage(const fs::path& file, int gray_bits) {
+  const vo::GrayImage image = vo::ReadGrayImage(file, gray_bits);
+  if (image.orientation != 1) {
+    std::cerr << "gluevo: note: " << file.string()
+              << ": the file asks to be turned (EXIF), which is never done\n";
+  }
+  return image.pixels;
+}
+
 void MatchImages(const MatchArguments& arguments) {
   std::optional<cv::Matx33d> homography;
   if (!arguments.homography.empty()) {
     homography = ReadHomography(arguments.homography);
   }
-  const cv::Mat images[] = {ReadGrayImage(arguments.inputs[0]), ReadGrayImage(arguments.inputs[1])};
+  const int gray_bits = vo::GrayBits(arguments.inputs);
+  const cv::Mat images[] = {ReadImage(arguments.inputs[0], gray_bits),
+                            ReadImage(arguments.inputs[1], gray_bits)};
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks =
       vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
@@ -249,7 +241,7 @@ void AddMatchCommand(CLI::App& app) {
   command->add_option("INPUT", arguments->inputs, "features.h5, or two images")
       ->required()
       ->expected(1, 2);
-  command->add_option("--pairs", arguments->pairs, "Pairs to match, \"name0 name1\" a line");
+  command->add_option("--pairs", arguments->pairs, "Pairs to match, \"name0 name1\" a line, and what may follow");
   command->add_option("-o,--output", arguments->output, "HDF5 file to write the matches to");
   command->add_option("--draw", arguments->draw, "Image file to draw the matches of two images to");
   command->add_flag("--json", arguments->json, "Print the matches of two images as JSON");

@@ -128,6 +128,7 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
                          arguments.frames.stride);
   }
   setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  PrintNotes(setup.dataset);
   setup.origins =
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
   setup.reads_images = !store || !arguments.map.empty();
@@ -244,7 +245,9 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .superpoint = setup.networks.superpoint_record,
                                  .superglue = setup.networks.superglue_record,
                                  .options = OptionValues(command),
-                                 .origins = setup.origins};
+                                 .origins = setup.origins,
+                                 .dataset_warnings = setup.dataset.warnings,
+                                 .images_left_out = setup.dataset.images_left_out};
   AddEvaluations(setup, records, context);
   records.metrics.Write(arguments.output / "metrics.json", context);
   RunReport report = records.metrics.Report(context);

@@ -112,6 +112,8 @@ RunReport RunMetrics::Report(const Context& context) const {
   report.method = context.method;
   report.frames = frames_;
   report.warnings = Warnings(context.method);
+  report.warnings.insert(report.warnings.begin(), context.dataset_warnings.begin(),
+                         context.dataset_warnings.end());
   report.evaluation = context.evaluation;
   report.evaluation_failure = context.evaluation_failure;
   report.duration_s = Duration();
@@ -153,6 +155,10 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
     begin = end;
   }
   json["warnings"] = Warnings(context.method);
+  for (const std::string& warning : context.dataset_warnings) {
+    json["warnings"].push_back(warning);
+  }
+  json["images_left_out"] = context.images_left_out;
   const double duration = Duration();
   json["duration_s"] = duration;
   json["frames_per_second"] = duration > 0.0 ? static_cast<double>(frames_.size()) / duration : 0.0;

@@ -28,6 +28,8 @@ class RunMetrics {
     vo::WeightsRecord superglue;
     std::map<std::string, std::string> options;
     OptionOrigins origins;
+    std::vector<std::string> dataset_warnings;  ///< vo::Dataset's.
+    int images_left_out = 0;
     std::optional<vo::Evaluation> evaluation;
     std::optional<vo::SegmentedEvaluation> segmented_evaluation;
     std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.

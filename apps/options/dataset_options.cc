@@ -1,6 +1,7 @@
 #include "dataset_options.h"
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 #include <map>
 
 #include "gluevo/nn/error.h"
@@ -21,6 +22,12 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
       ->allow_extra_args(false);
   command.add_option("--groundtruth", arguments.groundtruth,
                      "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
+  command.add_option("--rate", arguments.rate_hz,
+                     "Images a second of a plain data set that has no times; default: 10, which is "
+                     "warned of");
+  command.add_option("--pair-tolerance", arguments.pair_tolerance_s,
+                     "How far the stamps of left and right image may be apart, seconds; default: a "
+                     "tenth of the time from image to image");
   command.add_option("--start", arguments.start, "First frame")->capture_default_str();
   command.add_option("--count", arguments.count, "Number of frames; default: all");
   command.add_option("--stride", arguments.stride, "Take every so many-th frame")
@@ -50,10 +57,21 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
   if (!arguments.groundtruth.empty()) {
     options.groundtruth = arguments.groundtruth;
   }
+  options.rate_hz = arguments.rate_hz;
+  options.pair_tolerance_s = arguments.pair_tolerance_s;
   options.start = arguments.start;
   options.count = arguments.count;
   options.stride = arguments.stride;
   return options;
+}
+
+void PrintNotes(const vo::Dataset& dataset) {
+  for (const std::string& note : dataset.notes) {
+    std::cerr << "gluevo: note: " << note << '\n';
+  }
+  for (const std::string& warning : dataset.warnings) {
+    std::cerr << "gluevo: warning: " << warning << '\n';
+  }
 }
 
 }  // namespace gluevo::apps

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct DatasetArguments {
   std::string format;                              ///< Recognised where empty.
   std::vector<std::filesystem::path> calibration;  ///< At most two; empty for the data set's own.
   std::filesystem::path groundtruth;               ///< Empty for the data set's own.
+  std::optional<double> rate_hz;                   ///< Of data sets without times.
+  std::optional<double> pair_tolerance_s;
   int start = 0;
   int count = -1;  ///< All.
   int stride = 1;
@@ -22,5 +25,8 @@ struct DatasetArguments {
 void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments);
 
 vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments);
+
+/// How the data set was understood, and what a user should know of it, on standard error.
+void PrintNotes(const vo::Dataset& dataset);
 
 }  // namespace gluevo::apps

@@ -74,7 +74,7 @@ class DatasetTest : public testing::Test {
     for (int camera = 0; camera < 2; ++camera) {
       const fs::path root = mav0 / ("cam" + std::to_string(camera));
       std::string csv = "#timestamp [ns],filename\r\n";
-      for (int time : {100, 200, 300, 400, 500 + camera}) {
+      for (int time : {100, 200, 300, 400, 500 + 50 * camera}) {
         const std::string name = std::to_string(time) + (time == 200 ? ".jpg" : ".png");
         WriteImage(root / "data" / name, time / 4 + camera);
         csv += std::to_string(time) + "," + name + "\r\n";
