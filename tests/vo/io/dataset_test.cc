@@ -179,7 +179,7 @@ TEST_F(DatasetTest, ReadsEuroc) {
     EXPECT_EQ(camera.cx, 15.75);
     EXPECT_EQ(camera.cy, 11.5);
     EXPECT_EQ(camera.distortion, Distortion::kRadialTangential);
-    EXPECT_EQ(camera.coefficients, (std::array<double, 5>{-0.28, 0.07, 0.0002, 1.8e-05, 0.0}));
+    EXPECT_EQ(camera.coefficients, (DistortionCoefficients{-0.28, 0.07, 0.0002, 1.8e-05, 0.0}));
     EXPECT_NEAR(dataset.rig.baseline(), 0.11, 1e-12);
     // T_BS takes x of the camera to y of the body.
     EXPECT_TRUE((dataset.rig.body_from_cam[0] * Eigen::Vector3d(1.0, 0.0, 0.0))
@@ -446,7 +446,7 @@ TEST_F(DatasetTest, ReadsUnrectifiedKittiRaw) {
   EXPECT_EQ(right.cx, 20.5);
   EXPECT_EQ(right.cy, 15.5);
   EXPECT_EQ(right.distortion, Distortion::kRadialTangential);
-  EXPECT_EQ(right.coefficients, (std::array<double, 5>{-0.31, 0.21, 0.0011, 0.0021, -0.06}));
+  EXPECT_EQ(right.coefficients, (DistortionCoefficients{-0.31, 0.21, 0.0011, 0.0021, -0.06}));
   // R_01 and T_01 take points of camera 0 to camera 1: x to y.
   EXPECT_TRUE((dataset.rig.right_from_left() * Eigen::Vector3d(1.0, 0.0, 0.0))
                   .isApprox(Eigen::Vector3d(-0.5, 1.01, 0.02)));
