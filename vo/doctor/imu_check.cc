@@ -143,9 +143,10 @@ Findings CheckUnits(const Imu& imu) {
 }
 
 Finding CheckOverlap(const Imu& imu, const std::vector<int64_t>& times_ns) {
-  const auto [first, last] = std::minmax_element(imu.times_ns.begin(), imu.times_ns.end());
-  const auto within = std::count_if(times_ns.begin(), times_ns.end(),
-                                    [&](int64_t time) { return time >= *first && time <= *last; });
+  const auto range = std::minmax_element(imu.times_ns.begin(), imu.times_ns.end());
+  const auto within = std::count_if(times_ns.begin(), times_ns.end(), [&](int64_t time) {
+    return time >= *range.first && time <= *range.second;
+  });
   const double share = 100.0 * static_cast<double>(within) / static_cast<double>(times_ns.size());
   return {share >= 95.0 ? Verdict::kGood
           : share > 0.0 ? Verdict::kSuspicious

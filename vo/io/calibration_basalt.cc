@@ -77,8 +77,7 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
       cameras.size() < 2 || poses.size() > kMostCameras || cameras.size() > kMostCameras) {
     throw Error(path.string() + ": expected T_imu_cam and intrinsics of two cameras");
   }
-  // Basalt needs an IMU to calibrate at all, people who bring its files rarely track one: the body
-  // is the left camera, to which their ground truth belongs.
+  // The file has no camera without an IMU; what lies beside it is mostly told of the left camera.
   calibration.rig.body_frame = "left camera";
   std::array<Rigid3, 2> imu_from_cam;
   for (std::size_t side = 0; side < 2; ++side) {

@@ -7,7 +7,6 @@
 #include "dataset_formats.h"
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/calibration.h"
 #include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::vo {
@@ -112,49 +111,6 @@ void LookAtImages(Dataset& dataset) {
   }
 }
 
-std::string SizeMessage(const fs::path& image, const std::array<int, 2>& size, const Camera& camera,
-                        const fs::path& calibration) {
-  return image.string() + ": an image of " + std::to_string(size[0]) + " x " +
-         std::to_string(size[1]) + " pixels, expected " + std::to_string(camera.width) + " x " +
-         std::to_string(camera.height) +
-         (calibration.empty() ? "" : ", the size in the calibration " + calibration.string());
-}
-
-/// The size of an image; nothing where it cannot be read, which is for the one who needs it to say.
-std::optional<std::array<int, 2>> SizeIfReadable(const fs::path& image) {
-  try {
-    return ImageSize(image);
-  } catch (const Error&) {
-    return std::nullopt;
-  }
-}
-
-/// One odd image among others is for Read to refuse; here it is the first, the last and one
-/// between.
-void CheckImageSizes(const Dataset& dataset) {
-  std::string message;
-  const std::size_t count = dataset.entries.size();
-  for (const std::size_t i : {std::size_t{0}, count / 2, count - 1}) {
-    const Dataset::Entry& entry = dataset.entries[i];
-    for (std::size_t side = 0; side < 2; ++side) {
-      const Camera& camera = dataset.rig.cameras[side];
-      const std::optional<std::array<int, 2>> size = SizeIfReadable(entry.images[side]);
-      if (!size) {
-        continue;
-      }
-      if (*size == std::array{camera.width, camera.height}) {
-        return;
-      }
-      message = message.empty()
-                    ? SizeMessage(entry.images[side], *size, camera, dataset.calibration)
-                    : message;
-    }
-  }
-  if (!message.empty()) {
-    throw Error(message);
-  }
-}
-
 Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
   const Format& format = FormatOf(root, options);
   if (options.rate_hz && format.name != DatasetFormat::kPlain) {
@@ -202,7 +158,8 @@ StereoFrame Dataset::Read(std::size_t index) const {
     const cv::Mat& image = frame.images[side];
     const Camera& camera = rig.cameras[side];
     if (image.cols != camera.width || image.rows != camera.height) {
-      throw Error(SizeMessage(entry.images[side], {image.cols, image.rows}, camera, calibration));
+      throw Error(
+          WrongSizeMessage(entry.images[side], {image.cols, image.rows}, camera, calibration));
     }
   }
   return frame;
@@ -216,8 +173,7 @@ Dataset OpenDataset(const fs::path& path, const DatasetOptions& options) {
   if (dataset.entries.empty()) {
     throw Error(path.string() + ": a data set without a stereo pair");
   }
-  dataset.rig.Validate(dataset.calibration.empty() ? path.string() : dataset.calibration.string());
-  CheckImageSizes(dataset);
+  CheckCalibration(dataset);
   if (static_cast<std::size_t>(options.start) >= dataset.entries.size()) {
     throw Error("first frame " + std::to_string(options.start) + " is beyond the last, " +
                 std::to_string(dataset.entries.size() - 1) + ", of " + path.string() +
@@ -239,30 +195,6 @@ Dataset OpenDataset(const fs::path& path, const DatasetOptions& options) {
     }
   }
   return dataset;
-}
-
-std::vector<fs::path> CalibrationFiles(const DatasetOptions& options) {
-  std::vector<fs::path> files;
-  for (const auto& file : {options.calibration, options.calibration_mate}) {
-    if (file) {
-      files.push_back(*file);
-    }
-  }
-  return files;
-}
-
-void SetCalibration(const std::vector<fs::path>& files, Dataset& dataset) {
-  std::optional<std::array<int, 2>> size;
-  constexpr std::size_t kMostTries = 5;
-  for (std::size_t i = 0; i < std::min(kMostTries, dataset.entries.size()) && !size; ++i) {
-    size = SizeIfReadable(dataset.entries[i].images[0]);
-  }
-  const Calibration calibration = ReadCalibration(files, size);
-  dataset.rig = calibration.rig;
-  dataset.calibration = calibration.files.front();
-  for (const std::string& warning : calibration.warnings) {
-    dataset.warnings.push_back(dataset.calibration.string() + ": " + warning);
-  }
 }
 
 void CheckFolder(const fs::path& folder, const std::string& what) {

@@ -26,6 +26,12 @@ Dataset OpenPlain(const std::filesystem::path& root, const DatasetOptions& optio
 
 /// Gives a data set that has its entries the rig of calibration files, and their warnings.
 void SetCalibration(const std::vector<std::filesystem::path>& files, Dataset& dataset);
+/// Throws Error for a rig that cannot be, and where the images have another size than their
+/// cameras.
+void CheckCalibration(const Dataset& dataset);
+/// The message that an image has another size than its camera.
+std::string WrongSizeMessage(const std::filesystem::path& image, const std::array<int, 2>& size,
+                             const Camera& camera, const std::filesystem::path& calibration);
 /// The files that --calibration names; none where it is not given.
 std::vector<std::filesystem::path> CalibrationFiles(const DatasetOptions& options);
 

@@ -203,6 +203,9 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
   }
   // What is wrong with the images first: they are what was named.
   AddImages(*found, options, dataset);
+  if (!options.calibration) {
+    throw Error(root.string() + ": a plain data set needs a calibration file (--calibration)");
+  }
   SetCalibration(CalibrationFiles(options), dataset);
   AddGroundtruth(options, {}, {}, dataset);
   return dataset;

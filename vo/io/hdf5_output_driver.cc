@@ -16,6 +16,11 @@ namespace {
 
 constexpr haddr_t kLargest = std::numeric_limits<off_t>::max();
 
+// What HDF5 carries from the access properties to Open().
+struct Properties {
+  H5OutputStorage* storage;
+};
+
 // H5FD_t comes first: HDF5 takes the one for the other.
 struct Driver {
   H5FD_t base;
@@ -27,8 +32,8 @@ Driver* ToDriver(H5FD_t* file) { return reinterpret_cast<Driver*>(file); }
 const Driver* ToDriver(const H5FD_t* file) { return reinterpret_cast<const Driver*>(file); }
 
 H5FD_t* Open(const char* /*name*/, unsigned /*flags*/, hid_t access, haddr_t /*largest*/) {
-  auto* const* const storage = static_cast<H5OutputStorage* const*>(H5Pget_driver_info(access));
-  return storage == nullptr ? nullptr : &(new Driver{{}, *storage, 0})->base;
+  const auto* const properties = static_cast<const Properties*>(H5Pget_driver_info(access));
+  return properties == nullptr ? nullptr : &(new Driver{{}, properties->storage, 0})->base;
 }
 
 herr_t Close(H5FD_t* file) {
@@ -81,7 +86,7 @@ H5FD_class_t DriverClass() {
   driver.name = "gluevo_output";
   driver.maxaddr = kLargest;
   driver.fc_degree = H5F_CLOSE_WEAK;
-  driver.fapl_size = sizeof(H5OutputStorage*);
+  driver.fapl_size = sizeof(Properties);
   driver.open = Open;
   driver.close = Close;
   driver.query = Query;
@@ -154,7 +159,8 @@ hid_t MakeOutputAccess(H5OutputStorage* storage) {
   static const H5FD_class_t driver_class = DriverClass();
   static const hid_t driver = H5FDregister(&driver_class);
   const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-  H5Pset_driver(access, driver, static_cast<const void*>(&storage));
+  const Properties properties = {storage};
+  H5Pset_driver(access, driver, &properties);
   return access;
 }
 
