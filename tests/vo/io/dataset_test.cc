@@ -259,8 +259,8 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
   ExpectContains(yaml("20.5,", ""), {"intrinsics has 3 numbers, expected 4"});
   ExpectContains(yaml("20.5", ".nan"), {"sensor.yaml: intrinsics is not a list of finite numbers"});
   ExpectContains(yaml("20.5", "-20.5"), {"sensor.yaml", "focal lengths"});
-  ExpectContains(yaml("[32, 24]", "[32, -24]"), {"sensor.yaml: resolution"});
-  ExpectContains(yaml("[32, 24]", "[1e99, 24]"), {"sensor.yaml: resolution"});
+  ExpectContains(yaml("[32, 24]", "[32, -24]"), {"sensor.yaml: the image"});
+  ExpectContains(yaml("[32, 24]", "[1e99, 24]"), {"sensor.yaml: the image"});
   ExpectContains(yaml("pinhole", "omni"), {"intrinsics has 4 numbers, expected 5"});
   ExpectContains(yaml("pinhole", "linear"), {"sensor.yaml: camera model \"linear\""});
   ExpectContains(yaml("radial-tangential", "fog"), {"distortion model \"fog\""});
