@@ -67,7 +67,12 @@ Eigen::Vector2d InvertDistortion(DistortFunction distort,
   double reached = 0.0;
   double step = 1.0 / 16.0;
   constexpr double kLastStep = 1e-6;
-  while (reached < 1.0) {
+  // Lenses need some tens; coefficients that are none could ask for a million.
+  constexpr int kMostSteps = 4096;
+  for (int steps = 0; reached < 1.0; ++steps) {
+    if (steps > kMostSteps) {
+      return NoPoint();
+    }
     const double next = std::min(1.0, reached + step);
     const std::optional<Eigen::Vector2d> solution = Newton(distort, coefficients, next * target, p);
     if (solution && IsOnCentralBranch(distort, coefficients, *solution)) {

@@ -42,16 +42,24 @@ std::string AcceptedForms() {
   throw Error(what + "; accepted are " + AcceptedForms());
 }
 
-// A form that any of the files has goes for all; its reader finds out which is which.
-CalibrationInput WithFormFirst(CalibrationInput input) {
-  for (std::size_t i = 0; i < input.named.size(); ++i) {
-    if (FormOf(input.named[i]) != nullptr) {
-      std::rotate(input.named.begin(), input.named.begin() + static_cast<std::ptrdiff_t>(i),
-                  input.named.end());
-      return input;
+// A form that any of the files has goes for all; its reader finds out which is which. Files are
+// copied, never assigned: an assignment of YAML's nodes changes the tree that both share.
+CalibrationInput WithFormFirst(const CalibrationInput& input) {
+  const auto first =
+      std::find_if(input.named.begin(), input.named.end(),
+                   [](const CalibrationFile& file) { return FormOf(file) != nullptr; });
+  if (first == input.named.end()) {
+    RefuseUnknown(input.named.front());
+  }
+  CalibrationInput ordered{{}, input.open, input.image_size};
+  ordered.named.reserve(input.named.size());
+  ordered.named.push_back(*first);
+  for (auto file = input.named.begin(); file != input.named.end(); ++file) {
+    if (file != first) {
+      ordered.named.push_back(*file);
     }
   }
-  RefuseUnknown(input.named.front());
+  return ordered;
 }
 
 /// The rig with a size, be it only a guess.

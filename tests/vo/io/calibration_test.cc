@@ -526,6 +526,13 @@ TEST(CalibrationTest, OpenCvInTwoFiles) {
   }
 }
 
+// The form of the second file, the first being none by itself.
+TEST(CalibrationTest, TheSecondFileMayTellTheForm) {
+  const Files files = {{"a.yaml", "rate: 20\n"},
+                       {"c.yaml", Chain("", "  T_cn_cnm1: " + Rows(kRightFromLeft) + "\n")}};
+  ExpectTheRig(Parse(files, {"a.yaml", "c.yaml"}), false);
+}
+
 TEST(CalibrationTest, OpenCvsXml) {
   const auto matrix = [](const std::string& key, const auto& values) {
     return "<" + key + " type_id=\"opencv-matrix\">\n  <rows>" + std::to_string(values.rows()) +
