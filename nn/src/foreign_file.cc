@@ -58,10 +58,10 @@ std::string Beginning(std::string_view text) {
   return lower;
 }
 
-bool IsShortText(std::string_view text) {
+bool IsShortAscii(std::string_view text) {
   constexpr std::size_t kLongestMessage = 2000;
   return text.size() <= kLongestMessage && std::all_of(text.begin(), text.end(), [](char c) {
-           return static_cast<unsigned char>(c) >= ' ' || c == '\n' || c == '\r' || c == '\t';
+           return (c >= ' ' && c <= '~') || c == '\n' || c == '\r' || c == '\t';
          });
 }
 
@@ -90,7 +90,7 @@ std::optional<std::string> ForeignForm(const Bytes& file, std::string_view expec
     return not_downloaded("XML");
   }
   // Servers answer "Entry not found", {"error": ...} and the like.
-  if (!text.empty() && IsShortText(text)) {
+  if (!text.empty() && IsShortAscii(text)) {
     const std::string line(text.substr(0, std::min<std::size_t>(text.find_first_of("\r\n"), 60)));
     return not_downloaded("the text " + Quoted(line));
   }

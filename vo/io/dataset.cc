@@ -218,7 +218,8 @@ std::array<int, 2> FirstImageSize(const Dataset& dataset) {
       message = message.empty() ? error.what() : message;
     }
   }
-  throw Error(message);
+  throw Error("none of the first " + std::to_string(std::min(kTried, dataset.entries.size())) +
+              " left images can be read: " + message);
 }
 
 fs::path FolderPath(const fs::path& folder) {
