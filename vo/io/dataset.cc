@@ -15,18 +15,18 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Format {
-  DatasetFormat name;
   bool (*is)(const fs::path& root);
   Dataset (*open)(const fs::path& root, const DatasetOptions& options);
+  DatasetFormat name;
   bool takes_calibration;
 };
 
 // In the order in which they are recognised.
 constexpr Format kFormats[] = {
-    {DatasetFormat::kEuroc, &IsEuroc, &OpenEuroc, true},
-    {DatasetFormat::kKittiOdometry, &IsKittiOdometry, &OpenKittiOdometry, false},
-    {DatasetFormat::kKittiRaw, &IsKittiRaw, &OpenKittiRaw, false},
-    {DatasetFormat::kPlain, &IsPlain, &OpenPlain, true},
+    {&IsEuroc, &OpenEuroc, DatasetFormat::kEuroc, true},
+    {&IsKittiOdometry, &OpenKittiOdometry, DatasetFormat::kKittiOdometry, false},
+    {&IsKittiRaw, &OpenKittiRaw, DatasetFormat::kKittiRaw, false},
+    {&IsPlain, &OpenPlain, DatasetFormat::kPlain, true},
 };
 
 // Of folders that nobody named, and that may not be ours to read.

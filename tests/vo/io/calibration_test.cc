@@ -682,8 +682,9 @@ TEST(CalibrationTest, EverySeedIsReadOrRefused) {
       ParseCalibration(input);
       ++read;
     });
-    // The one whose transform is inverted.
-    EXPECT_EQ(message == "no error", entry.path().filename() != "kalibr") << message;
+    // But for one whose transform is inverted and those that are broken on purpose.
+    const std::string name = entry.path().filename().string();
+    EXPECT_EQ(message == "no error", name != "kalibr" && !name.starts_with("broken")) << message;
   }
   EXPECT_GE(read, 11);
 }
