@@ -167,7 +167,8 @@ TEST_F(InterruptionTest, ARunWithoutAnyImageFails) {
   }
   const Outcome outcome = Klt(flight);
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.error.find("error: none of the first 20 left images can be read: "), std::string::npos)
+  EXPECT_NE(outcome.error.find("error: none of the first 20 left images can be read: "),
+            std::string::npos)
       << outcome.error;
   EXPECT_FALSE(fs::exists(Path("out")));
 }
