@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gluevo/vo/core/median.h"
 #include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/doctor/doctor.h"
@@ -19,9 +20,6 @@ using Findings = std::vector<Finding>;
 
 /// A number with so many decimals.
 std::string Number(double value, int decimals);
-
-/// The median, 0 for no values.
-double Median(std::vector<double> values);
 
 /// A finding by two bars: good up to the first, suspicious up to the second, else wrong.
 Verdict UpTo(double value, double good, double suspicious);

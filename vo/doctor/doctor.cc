@@ -183,15 +183,6 @@ std::string Number(double value, int decimals) {
   return text;
 }
 
-double Median(std::vector<double> values) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Verdict UpTo(double value, double good, double suspicious) {
   if (value <= good) {
     return Verdict::kGood;

@@ -50,4 +50,18 @@ Eigen::Vector2d CheckedInverse(DistortFunction distort, const DistortionCoeffici
   return error <= kAccepted * (1.0 + target.norm()) ? candidate : NoPoint();
 }
 
+Distorted WithTangentialPart(const Eigen::Vector2d& p, double scale, double slope, double p1,
+                             double p2) {
+  const double x = p.x();
+  const double y = p.y();
+  const double r2 = x * x + y * y;
+  Distorted result;
+  result.point << x * scale + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
+      y * scale + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
+  const double mixed = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
+  result.jacobian << scale + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x, mixed, mixed,
+      scale + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
+  return result;
+}
+
 }  // namespace gluevo::vo

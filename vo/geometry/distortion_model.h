@@ -44,6 +44,10 @@ Eigen::Vector2d InvertDistortion(DistortFunction distort,
 /// the scale by |p|^2.
 Distorted ScaledAlongRadius(const Eigen::Vector2d& p, double scale, double slope);
 
+/// The same, and the tangential part of Brown's model with it, in OpenCV's terms and signs.
+Distorted WithTangentialPart(const Eigen::Vector2d& p, double scale, double slope, double p1,
+                             double p2);
+
 /// `candidate` where it is a finite point that `distort` takes to `target`, else NoPoint(): closed
 /// forms also answer outside of their range.
 Eigen::Vector2d CheckedInverse(DistortFunction distort, const DistortionCoefficients& coefficients,

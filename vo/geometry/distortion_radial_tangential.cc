@@ -10,19 +10,11 @@ Distorted Distort(const DistortionCoefficients& coefficients, const Eigen::Vecto
   const double p1 = coefficients[2];
   const double p2 = coefficients[3];
   const double k3 = coefficients[4];
-  const double x = p.x();
-  const double y = p.y();
-  const double r2 = x * x + y * y;
+  const double r2 = p.x() * p.x() + p.y() * p.y();
   const double radial = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
   // Twice the derivative by r^2, so that d radial / d x = slope * x.
   const double slope = 2.0 * (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3));
-  Distorted result;
-  result.point << x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-      y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-  const double mixed = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
-  result.jacobian << radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x, mixed, mixed,
-      radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
-  return result;
+  return WithTangentialPart(p, radial, slope, p1, p2);
 }
 
 Eigen::Vector2d Undistort(const DistortionCoefficients& coefficients,

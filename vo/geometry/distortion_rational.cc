@@ -7,9 +7,7 @@ namespace {
 /// documentation gives it.
 Distorted Distort(const DistortionCoefficients& coefficients, const Eigen::Vector2d& p) {
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = coefficients;
-  const double x = p.x();
-  const double y = p.y();
-  const double r2 = x * x + y * y;
+  const double r2 = p.x() * p.x() + p.y() * p.y();
   const double above = 1.0 + r2 * (k1 + r2 * (k2 + r2 * k3));
   const double below = 1.0 + r2 * (k4 + r2 * (k5 + r2 * k6));
   const double radial = above / below;
@@ -18,13 +16,7 @@ Distorted Distort(const DistortionCoefficients& coefficients, const Eigen::Vecto
       2.0 *
       (k1 + r2 * (2.0 * k2 + r2 * 3.0 * k3) - radial * (k4 + r2 * (2.0 * k5 + r2 * 3.0 * k6))) /
       below;
-  Distorted result;
-  result.point << x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x),
-      y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-  const double mixed = slope * x * y + 2.0 * p1 * x + 2.0 * p2 * y;
-  result.jacobian << radial + slope * x * x + 2.0 * p1 * y + 6.0 * p2 * x, mixed, mixed,
-      radial + slope * y * y + 6.0 * p1 * y + 2.0 * p2 * x;
-  return result;
+  return WithTangentialPart(p, radial, slope, p1, p2);
 }
 
 Eigen::Vector2d Undistort(const DistortionCoefficients& coefficients,

@@ -7,20 +7,13 @@
 #include <numeric>
 #include <optional>
 
+#include "gluevo/vo/core/median.h"
+
 namespace gluevo::vo {
 namespace {
 
 constexpr double kNextToNothing = 15.0;  // Points of a frame.
 constexpr int kFewCorners = 20;
-
-double Median(std::vector<double> values) {
-  if (values.empty()) {
-    return 0.0;
-  }
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::string Number(double value) {
   char text[32];
