@@ -112,7 +112,8 @@ TEST(DoctorCalibrationTest, TellsExchangedImagesFromAnInvertedTransform) {
     std::vector<PixelMatch> matches;
     std::vector<PixelMatch> exchanged;
     for (int i = 0; i < 100; ++i) {
-      const Eigen::Vector3d point(0.1 * (i % 10 - 5), 0.1 * (i / 10 - 5), 1.5 + 0.1 * (i % 7));
+      const auto row = i / 10;
+      const Eigen::Vector3d point(0.1 * (i % 10 - 5), 0.1 * (row - 5), 1.5 + 0.1 * (i % 7));
       const PixelMatch match = {rig.cameras[0].Project(point),
                                 rig.cameras[1].Project(rig.right_from_left() * point)};
       matches.push_back(match);
