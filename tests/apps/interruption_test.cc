@@ -215,23 +215,22 @@ TEST_F(InterruptionTest, AFullDiskIsOneLineForEveryOutput) {
     std::string names;  // What the message names.
     rlim_t bytes;
   };
-  for (const Case& one : std::vector<Case>{
-           {run, "trajectory.tum", 2000},
-           {run, "report.html", 6000},
-           {run + " --save-matches " + Path("n.h5"), "n.h5", 60'000},
-           {"extract " + images + " -o " + Path("n.h5"), "n.h5", 60'000},
-           {"match " + Path("features.h5") + " --pairs " + pairs + " -o " + Path("n.h5"), "n.h5",
-            1000},
-           {"match " + images + "/" + a + " " + images + "/" + b + " --draw " + Path("n.png"),
-            "n.png", 1000},
-           {"simulate --duration 0.5 --width 320 --height 240 -o " + Path("made"), "made", 9000},
-           {"simulate --pairs 1 --width 96 --height 64 -o " + Path("made"), "made", 9000},
-           {"evaluate " + Path("out/trajectory.tum") + " " + groundtruth + " --plot " +
-                Path("n.svg"),
-            "n.svg", 500},
-           {"bench --network superpoint --size 64x48 --layers 2 --rounds 1 --output " +
-                Path("n.safetensors"),
-            "n.safetensors", 500}}) {
+  const std::vector<Case> cases{
+      {run, "trajectory.tum", 2000},
+      {run, "report.html", 6000},
+      {run + " --save-matches " + Path("n.h5"), "n.h5", 60'000},
+      {"extract " + images + " -o " + Path("n.h5"), "n.h5", 60'000},
+      {"match " + Path("features.h5") + " --pairs " + pairs + " -o " + Path("n.h5"), "n.h5", 1000},
+      {"match " + images + "/" + a + " " + images + "/" + b + " --draw " + Path("n.png"), "n.png",
+       1000},
+      {"simulate --duration 0.5 --width 320 --height 240 -o " + Path("made"), "made", 9000},
+      {"simulate --pairs 1 --width 96 --height 64 -o " + Path("made"), "made", 9000},
+      {"evaluate " + Path("out/trajectory.tum") + " " + groundtruth + " --plot " + Path("n.svg"),
+       "n.svg", 500},
+      {"bench --network superpoint --size 64x48 --layers 2 --rounds 1 --output " +
+           Path("n.safetensors"),
+       "n.safetensors", 500}};
+  for (const Case& one : cases) {
     SCOPED_TRACE(one.command);
     const FileSizeLimit limit(one.bytes);
     const Outcome outcome = Run(one.command);
