@@ -264,6 +264,36 @@ TEST_F(PlainDatasetTest, ReadsTimesFilesInTheirForms) {
   EXPECT_EQ(text("5.0\n5.05\n5.1\n5.15\n"), expected);
 }
 
+TEST_F(PlainDatasetTest, ReadsTimesOfIsoFormAndOfClocks) {
+  const Names names = {"0.png", "1.png"};
+  Make(names, names);
+  WriteText(root() / "times.txt", "2023-05-01T12:00:59.95Z\n2023-05-01T14:01:00.05+02:00\n");
+  EXPECT_EQ(TimesOf(Open()),
+            (Times{1682942459 * kSecond + 950000000, 1682942460 * kSecond + 50000000}));
+  WriteText(root() / "times.txt", "12:00:00.05\n12:00:00.10\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{43200 * kSecond + 50000000, 43200 * kSecond + 100000000}));
+  WriteText(root() / "times.txt", "0,050000\n0,100000\n");
+  EXPECT_EQ(ErrorOf().find("decimal commas") == std::string::npos, false) << ErrorOf();
+  WriteText(root() / "times.txt", "1.5e+09\n1.5e+09\n");
+  ExpectHas(ErrorOf(), {"too few digits"});
+}
+
+TEST_F(PlainDatasetTest, FindsTimesByTheImagesThatTheyName) {
+  const Names names = {"a0.png", "a1.png"};
+  for (const std::string file : {"rgb.txt", "associations.txt", "frames.csv"}) {
+    SCOPED_TRACE(file);
+    Make(names, names);
+    WriteText(root() / file, "1.5 left/a0.png\n1.75 left/a1.png\n");
+    EXPECT_EQ(TimesOf(Open()), (Times{1500000000, 1750000000}));
+    ExpectHas(All(Open().notes), {file});
+  }
+  // Numbers that are no times of images.
+  Make(names, names);
+  WriteText(root() / "exposures.txt", "1.5 2\n1.75 3\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{0, kSecond / 10}));
+  ExpectHas(All(Open().warnings), {"whose name has \"time\" or \"stamp\""});
+}
+
 TEST_F(PlainDatasetTest, NamesWhatIsWrongWithTimesFiles) {
   const Names names = {"000000.png", "000001.png", "000002.png"};
   const auto error = [&](const std::string& text) {
