@@ -206,9 +206,12 @@ void Evaluate(const EvaluateArguments& arguments) {
   if (!arguments.plot.empty()) {
     Plot(arguments.plot, estimate, groundtruth, evaluation, segments);
   }
-  if (const auto warning = vo::AssociationWarning(evaluation, arguments.options)) {
-    std::cerr << "warning: " << *warning << '\n';
-    inputs.warnings.push_back(*warning);
+  for (const auto& warning :
+       {vo::AssociationWarning(evaluation, arguments.options), vo::ScaleWarning(evaluation)}) {
+    if (warning) {
+      std::cerr << "warning: " << *warning << '\n';
+      inputs.warnings.push_back(*warning);
+    }
   }
   if (arguments.json) {
     PrintJson(evaluation, segments, inputs.warnings, arguments.options);

@@ -137,6 +137,9 @@ void AddEvaluations(const Setup& setup, const RunRecords& records, RunMetrics::C
   try {
     context.evaluation = vo::Evaluate(records.trajectory, groundtruth, {});
     context.evaluation_warning = vo::AssociationWarning(*context.evaluation, {}).value_or("");
+    if (const auto warning = vo::ScaleWarning(*context.evaluation)) {
+      context.evaluation_warning += (context.evaluation_warning.empty() ? "" : "; ") + *warning;
+    }
     context.segmented_evaluation = vo::EvaluateSegments(
         records.trajectory, records.metrics.SegmentOfFrames(), groundtruth, {});
   } catch (const Error& error) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
 
 #include "gluevo/nn/error.h"
 #include "pose_association.h"
@@ -265,22 +264,6 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
   evaluation.coverage =
       Coverage(pairs, groundtruth, estimate.size() > groundtruth.size() ? groundtruth : estimate);
   return evaluation;
-}
-
-std::optional<std::string> AssociationWarning(const Evaluation& evaluation,
-                                              const EvaluationOptions& options) {
-  const bool estimate_is_longer = evaluation.estimate_poses > evaluation.groundtruth_poses;
-  const std::size_t poses =
-      estimate_is_longer ? evaluation.groundtruth_poses : evaluation.estimate_poses;
-  if (2 * evaluation.pairs >= poses) {
-    return std::nullopt;
-  }
-  std::ostringstream text;
-  text << "only " << evaluation.pairs << " of " << poses << " poses of the "
-       << (estimate_is_longer ? "ground truth" : "estimate") << " have a mate in the "
-       << (estimate_is_longer ? "estimate" : "ground truth") << " within "
-       << options.max_time_difference_s << " s: the figures are of these few";
-  return text.str();
 }
 
 }  // namespace gluevo::vo

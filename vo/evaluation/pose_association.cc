@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iomanip>
 #include <iterator>
+#include <limits>
 #include <numbers>
 #include <sstream>
 #include <string>
@@ -84,6 +85,23 @@ std::vector<PosePair> NearPoses(const Trajectory& estimate, const Trajectory& gr
   return pairs;
 }
 
+namespace {
+
+constexpr double kNearSeconds = 1.0;
+
+/// The least time between a pose of one and a pose of the other, seconds.
+double NearestApart(const Trajectory& estimate, const Trajectory& groundtruth) {
+  uint64_t apart = std::numeric_limits<uint64_t>::max();
+  for (const StampedPose& pose : estimate) {
+    if (const StampedPose* nearest = Nearest(groundtruth, pose.timestamp_ns, apart)) {
+      apart = std::min(apart, TimeApart(nearest->timestamp_ns, pose.timestamp_ns));
+    }
+  }
+  return static_cast<double>(apart) * kSecondsPerNanosecond;
+}
+
+}  // namespace
+
 std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajectory& groundtruth,
                                      const EvaluationOptions& options) {
   std::vector<PosePair> pairs = NearPoses(estimate, groundtruth, options);
@@ -92,7 +110,13 @@ std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajector
     text << "only " << pairs.size() << " poses of the estimate and the ground truth are within "
          << options.max_time_difference_s << " s of each other, expected at least " << kFewestPairs
          << ": the estimate is from " << TimesOf(estimate) << ", the ground truth from "
-         << TimesOf(groundtruth) << ": are they of the same sequence and clock?";
+         << TimesOf(groundtruth);
+    const double apart = NearestApart(estimate, groundtruth);
+    if (apart > options.max_time_difference_s && apart < kNearSeconds) {
+      text << "; the nearest are " << apart << " s apart (--max-time-difference)";
+    } else {
+      text << ": are they of the same sequence and clock?";
+    }
     throw Error(text.str());
   }
   return pairs;

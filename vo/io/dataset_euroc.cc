@@ -8,6 +8,7 @@
 #include "gluevo/nn/error.h"
 #include "groundtruth.h"
 #include "image_pairs.h"
+#include "stamp_unit.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -19,6 +20,44 @@ fs::path Mav0(const fs::path& root) {
   return fs::is_directory(root / "mav0") ? root / "mav0" : root;
 }
 
+struct Row {
+  TextLine line;
+  std::string time;
+  std::string image;
+};
+
+std::vector<Row> ReadRows(const fs::path& csv) {
+  std::vector<Row> rows;
+  for (const TextLine& line : ReadTable(csv)) {
+    const auto fields = SplitFields(line.text, ',');
+    if (fields.size() < 2 || !ParseNumber(fields[0]) || fields[1].empty()) {
+      throw Error(At(csv, line) + ": expected \"timestamp [ns],filename\"");
+    }
+    rows.push_back({line, std::string(fields[0]), std::string(fields[1])});
+  }
+  return rows;
+}
+
+// Nanoseconds, but where the times are none: people who write such files heed no more than names.
+StampUnit UnitOf(const std::vector<Row>& rows) {
+  std::vector<int64_t> integers;
+  double largest = 0.0;
+  for (const Row& row : rows) {
+    largest = std::max(largest, ParseNumber(row.time).value_or(0.0));
+    if (const std::optional<int64_t> integer = ParseInteger(row.time)) {
+      integers.push_back(*integer);
+    }
+  }
+  if (integers.size() < rows.size()) {
+    return UnitOfDecimals(largest);
+  }
+  constexpr StampUnit kNanoseconds = 9;
+  constexpr int64_t kShortestMicroseconds = 5000;
+  const int64_t step = MedianStep(integers);
+  return UnitSince1970(integers).value_or(step < kShortestMicroseconds ? kNanoseconds
+                                                                       : UnitOfStep(step));
+}
+
 // The images that data.csv lists, in the order of their times; those that are missing are counted.
 std::vector<KeyedImage> ListCamera(const fs::path& camera_folder, Dataset& dataset) {
   CheckFolder(camera_folder, "a camera of a EuRoC data set");
@@ -26,17 +65,24 @@ std::vector<KeyedImage> ListCamera(const fs::path& camera_folder, Dataset& datas
   std::vector<KeyedImage> images;
   std::vector<fs::path> missing;
   std::set<int64_t> times;
-  for (const TextLine& line : ReadTable(csv)) {
-    const auto fields = SplitFields(line.text, ',');
-    const auto timestamp_ns = ParseInteger(fields[0]);
-    if (fields.size() < 2 || !timestamp_ns || fields[1].empty()) {
-      throw Error(At(csv, line) + ": expected \"timestamp [ns],filename\"");
+  const std::vector<Row> rows = ReadRows(csv);
+  const StampUnit unit = UnitOf(rows);
+  constexpr StampUnit kNanoseconds = 9;
+  if (unit != kNanoseconds) {
+    dataset.notes.push_back("the times in " + csv.string() + " are in " + UnitName(unit));
+  }
+  for (const Row& row : rows) {
+    const auto timestamp_ns = DecimalInNanoseconds(row.time, unit);
+    if (!timestamp_ns) {
+      throw Error(At(csv, row.line) + ": " + Quoted(row.time) + " is not a time in " +
+                  UnitName(unit));
     }
     if (!times.insert(*timestamp_ns).second) {
-      throw Error(At(csv, line) + ": the time " + std::to_string(*timestamp_ns) +
-                  " is there twice");
+      const bool few_digits = row.time.find_first_of("eE") != std::string::npos;
+      throw Error(At(csv, row.line) + ": the time " + row.time + " is there twice" +
+                  (few_digits ? ": it has too few digits, expected all of them" : ""));
     }
-    const fs::path image = camera_folder / "data" / std::string(fields[1]);
+    const fs::path image = camera_folder / "data" / row.image;
     std::error_code ignored;
     if (fs::is_regular_file(image, ignored)) {
       images.push_back({*timestamp_ns, image});

@@ -73,6 +73,9 @@ Dataset OpenKittiOdometry(const fs::path& root, const DatasetOptions& options) {
   if (cameras.projections[0] != "P0") {
     MakeCamera0TheBody(calibration, cameras.projections[0], dataset.rig);
   }
+  for (const std::string& oddity : dataset.rig.Oddities()) {
+    dataset.warnings.push_back(dataset.calibration.string() + ": " + oddity);
+  }
   AddGroundtruth(options, {PosesOfSequence(FolderPath(root))}, times, dataset);
   return dataset;
 }

@@ -139,7 +139,10 @@ void AddNumbered(const ImageNames& names, const DatasetOptions& options, Dataset
   }
   if (!options.rate_hz) {
     dataset.warnings.emplace_back(
-        "neither names nor a times file give times: 10 images a second are assumed (--rate HZ)");
+        "neither names nor a times file give times: 10 images a second are assumed (--rate HZ); "
+        "times are read from .txt and .csv files whose name has \"time\" or \"stamp\", or which "
+        "name "
+        "the images");
   }
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "name_dates.h"
+#include "name_seconds.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -19,10 +21,8 @@ std::size_t EndOfDigits(const std::string& text, std::size_t begin) {
   return begin;
 }
 
-using Column = std::vector<std::string>;
-
-std::vector<Column> ColumnsOf(const std::vector<NameParts>& parts) {
-  std::vector<Column> columns(parts.front().numbers.size());
+std::vector<NameColumn> ColumnsOf(const std::vector<NameParts>& parts) {
+  std::vector<NameColumn> columns(parts.front().numbers.size());
   for (const NameParts& name : parts) {
     for (std::size_t i = 0; i < columns.size(); ++i) {
       columns[i].push_back(name.numbers[i]);
@@ -31,14 +31,14 @@ std::vector<Column> ColumnsOf(const std::vector<NameParts>& parts) {
   return columns;
 }
 
-bool Varies(const Column& column) {
+bool HasPoint(const std::string& text) { return text.find('.') != std::string::npos; }
+
+bool Varies(const NameColumn& column) {
   return std::any_of(column.begin(), column.end(),
                      [&](const std::string& text) { return text != column.front(); });
 }
 
-bool HasPoint(const std::string& text) { return text.find('.') != std::string::npos; }
-
-std::optional<NameNumbers> Decimals(const Column& column) {
+std::optional<NameNumbers> Decimals(const NameColumn& column) {
   NameNumbers numbers;
   double largest = 0.0;
   for (const std::string& text : column) {
@@ -58,9 +58,10 @@ std::optional<NameNumbers> Decimals(const Column& column) {
   return numbers;
 }
 
-std::optional<NameNumbers> Integers(const Column& column) {
+std::optional<NameNumbers> Integers(const NameColumn& column) {
   if (std::any_of(column.begin(), column.end(), &HasPoint)) {
-    return Decimals(column);
+    std::optional<NameNumbers> unpadded = UnpaddedParts(column);
+    return unpadded ? unpadded : Decimals(column);
   }
   NameNumbers numbers;
   for (const std::string& text : column) {
@@ -71,51 +72,6 @@ std::optional<NameNumbers> Integers(const Column& column) {
     numbers.values.push_back(*value);
   }
   numbers.unit = UnitOfNames(numbers.values);
-  return numbers;
-}
-
-// SECONDS_NANOSECONDS, the second padded with zeros or not; microseconds and milliseconds where it
-// never has more digits.
-std::optional<NameNumbers> TwoColumns(const Column& seconds, const Column& parts) {
-  constexpr std::size_t kFewestDigitsSince1970 = 9;
-  constexpr std::size_t kMostDigits = 10;
-  constexpr std::size_t kDigitsOfNanoseconds = 9;
-  std::size_t most = 0;
-  bool padded = true;
-  bool since_1970 = true;
-  for (std::size_t i = 0; i < seconds.size(); ++i) {
-    const bool leading_zero = seconds[i].size() > 1 && seconds[i].front() == '0';
-    if (leading_zero || seconds[i].size() > kMostDigits || HasPoint(seconds[i]) ||
-        HasPoint(parts[i]) || parts[i].size() > kDigitsOfNanoseconds) {
-      return std::nullopt;
-    }
-    since_1970 = since_1970 && seconds[i].size() >= kFewestDigitsSince1970;
-    padded = padded && parts[i].size() == kDigitsOfNanoseconds;
-    most = std::max(most, parts[i].size());
-  }
-  if (!since_1970 && !padded) {
-    return std::nullopt;
-  }
-  NameNumbers numbers;
-  const StampUnit unit = most > 6 ? 9 : most > 3 ? 6 : 3;
-  for (std::size_t i = 0; i < seconds.size(); ++i) {
-    const auto whole = ParseInteger(seconds[i]);
-    const auto part = ParseInteger(parts[i]);
-    const auto whole_ns = InNanoseconds(whole.value_or(0), 0);
-    const auto part_ns = InNanoseconds(part.value_or(0), unit);
-    if (!whole || !part || !whole_ns || !part_ns) {
-      return std::nullopt;
-    }
-    numbers.values.push_back(*whole_ns + *part_ns);
-  }
-  constexpr int64_t kShortestStepNs = 100'000;
-  const int64_t step = MedianStep(numbers.values);
-  if (step != 0 && step < kShortestStepNs) {
-    return std::nullopt;
-  }
-  numbers.unit = 9;
-  numbers.in_nanoseconds = true;
-  numbers.form = "seconds and " + UnitName(unit);
   return numbers;
 }
 
@@ -188,15 +144,19 @@ std::optional<NameNumbers> NumbersOf(const std::vector<NameParts>& parts) {
   if (parts.empty() || parts.front().numbers.empty()) {
     return std::nullopt;
   }
-  const std::vector<Column> columns = ColumnsOf(parts);
+  std::optional<NameNumbers> dates = DatesOf(parts);
+  if (dates && AllDiffer(dates->values) && GoUpWithNames(parts, dates->values)) {
+    return dates;
+  }
+  const std::vector<NameColumn> columns = ColumnsOf(parts);
   for (const std::size_t column : JoinedColumns(parts.front().skeleton)) {
-    std::optional<NameNumbers> stamps = TwoColumns(columns[column], columns[column + 1]);
+    std::optional<NameNumbers> stamps = SecondsAndParts(columns[column], columns[column + 1]);
     if (stamps) {
       return stamps;
     }
   }
-  std::vector<const Column*> varying;
-  for (const Column& column : columns) {
+  std::vector<const NameColumn*> varying;
+  for (const NameColumn& column : columns) {
     if (Varies(column)) {
       varying.push_back(&column);
     }
@@ -208,7 +168,7 @@ std::optional<NameNumbers> NumbersOf(const std::vector<NameParts>& parts) {
     return Integers(*varying.front());
   }
   std::optional<NameNumbers> best;
-  for (const Column* const column : varying) {
+  for (const NameColumn* const column : varying) {
     std::optional<NameNumbers> numbers = Integers(*column);
     if (numbers && AllDiffer(numbers->values) && GoUpWithNames(parts, numbers->values) &&
         (!best || numbers->unit || !best->unit)) {

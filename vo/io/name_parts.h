@@ -17,6 +17,9 @@ struct NameParts {
   std::vector<std::string> numbers;
 };
 
+/// One of the numbers, of name after name.
+using NameColumn = std::vector<std::string>;
+
 NameParts PartsOf(const std::string& name);
 
 /// What the names of one camera's images count.
@@ -24,7 +27,8 @@ struct NameNumbers {
   std::vector<int64_t> values;  ///< One a name.
   /// Of stamps; nothing where the values are numbers of images.
   std::optional<StampUnit> unit;
-  /// The values are nanoseconds already: decimal seconds, or seconds and nanoseconds.
+  /// The values are nanoseconds already: decimal seconds, seconds and
+  /// nanoseconds, or dates.
   bool in_nanoseconds = false;
   /// How it is written, where that is not usual: "seconds and nanoseconds".
   std::string form;

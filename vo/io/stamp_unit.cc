@@ -52,6 +52,30 @@ bool NearlyEqual(const std::vector<int64_t>& steps, int64_t median) {
   return 5 * near >= 4 * static_cast<std::ptrdiff_t>(steps.size());
 }
 
+// "Z", "+02:00", "-0800" or "+02" behind a time of day: how far its clock is ahead of UTC.
+std::optional<std::chrono::minutes> TakeOffset(std::string& text) {
+  const std::size_t clock = std::min(text.find(':'), text.size());
+  if (text.ends_with('Z') || text.ends_with('z')) {
+    text.pop_back();
+    return std::chrono::minutes(0);
+  }
+  const std::size_t sign = text.find_first_of("+-", clock);
+  if (sign == std::string::npos) {
+    return std::chrono::minutes(0);
+  }
+  std::string digits = text.substr(sign + 1);
+  std::erase(digits, ':');
+  digits += digits.size() == 2 ? "00" : "";
+  const std::optional<int64_t> offset = digits.size() == 4 ? ParseInteger(digits) : std::nullopt;
+  if (!offset || *offset < 0) {
+    return std::nullopt;
+  }
+  const std::chrono::minutes minutes(*offset / 100 * 60 + *offset % 100);
+  const bool behind = text[sign] == '-';
+  text.resize(sign);
+  return behind ? -minutes : minutes;
+}
+
 }  // namespace
 
 std::string UnitName(StampUnit unit) {
@@ -154,6 +178,10 @@ StampUnit UnitOfDecimals(double largest) {
 std::optional<int64_t> ParseDateTime(std::string_view text) {
   std::string with_blank(text);
   std::replace(with_blank.begin(), with_blank.end(), 'T', ' ');
+  const std::optional<std::chrono::minutes> ahead = TakeOffset(with_blank);
+  if (!ahead) {
+    return std::nullopt;
+  }
   const auto fields = SplitFields(with_blank, ' ');
   if (fields.size() != 2) {
     return std::nullopt;
@@ -186,7 +214,8 @@ std::optional<int64_t> ParseDateTime(std::string_view text) {
     return std::nullopt;
   }
   const std::chrono::seconds seconds = std::chrono::sys_days(calendar_day).time_since_epoch() +
-                                       std::chrono::hours(*hour) + std::chrono::minutes(*minute);
+                                       std::chrono::hours(*hour) + std::chrono::minutes(*minute) -
+                                       *ahead;
   return std::chrono::nanoseconds(seconds).count() + *second_ns;
 }
 

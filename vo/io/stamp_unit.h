@@ -46,7 +46,8 @@ std::optional<int64_t> DecimalInNanoseconds(std::string_view text, StampUnit uni
 /// 1970.
 StampUnit UnitOfDecimals(double largest);
 
-/// "2011-09-26 13:02:25.964389445" (also with a T between), in nanoseconds since 1970.
+/// "2011-09-26 13:02:25.964389445" (also with a T between, and with "Z" or "+02:00" behind), in
+/// nanoseconds since 1970.
 std::optional<int64_t> ParseDateTime(std::string_view text);
 
 }  // namespace gluevo::vo

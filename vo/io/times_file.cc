@@ -39,7 +39,15 @@ std::vector<std::string> FieldsOfRow(const std::string& line) {
   return ParseDateTime(line) ? std::vector<std::string>{line} : Fields(line);
 }
 
-bool IsStamp(const std::string& text) { return IsNumber(text) || ParseDateTime(text).has_value(); }
+// A date and a time of day, or the latter alone.
+std::optional<int64_t> ParseDateOrClock(const std::string& text) {
+  const std::optional<int64_t> date = ParseDateTime(text);
+  return date ? date : ParseDateTime("1970-01-01 " + text);
+}
+
+bool IsDate(const std::string& text) { return ParseDateOrClock(text).has_value(); }
+
+bool IsStamp(const std::string& text) { return IsNumber(text) || IsDate(text); }
 
 Table ReadTimesTable(const fs::path& path) {
   Table table{path, ReadLines(path, /*skip_comments=*/true), {}, {}, 0};
@@ -160,26 +168,44 @@ StampUnit UnitOf(const Table& table, std::size_t column) {
   return UnitSince1970(integers).value_or(UnitOfStep(MedianStep(integers)));
 }
 
+// What is likely the cause of a time that is not after the one before.
+std::string WhyNotAfter(const Table& table, std::size_t column, bool is_same) {
+  constexpr std::size_t kBothParts = 2;
+  const bool two_integers =
+      table.columns == kBothParts &&
+      std::all_of(table.rows.begin(), table.rows.end(), [](const std::vector<std::string>& row) {
+        return row.size() == kBothParts && ParseInteger(row[0]) && ParseInteger(row[1]);
+      });
+  const std::string& line = table.lines.front().text;
+  if (two_integers && line.find(',') != std::string::npos && line.find(' ') == std::string::npos) {
+    return ": decimal commas? Expected decimal points (1.5, not 1,5)";
+  }
+  const bool rounded = std::any_of(table.rows.begin(), table.rows.end(), [&](const auto& row) {
+    return row[column].find_first_of("eE") != std::string::npos;
+  });
+  return is_same && rounded ? ": the times have too few digits; write all their decimals" : "";
+}
+
 }  // namespace
 
 TimesFile ReadTimesFile(const fs::path& path) {
   const Table table = ReadTimesTable(path);
   const std::size_t column = StampColumn(table);
   const std::optional<std::size_t> image_column = ImageColumn(table, column);
-  const auto is_date = [](const std::string& text) { return ParseDateTime(text).has_value(); };
-  const bool dates = AllRows(table, column, is_date);
+  const bool dates = AllRows(table, column, &IsDate);
   const StampUnit unit = dates ? 0 : UnitOf(table, column);
   TimesFile times;
   times.path = path;
   times.unit = unit == 0 ? "" : UnitName(unit);
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const std::string& text = table.rows[i][column];
-    const auto time = dates ? ParseDateTime(text) : DecimalInNanoseconds(text, unit);
+    const auto time = dates ? ParseDateOrClock(text) : DecimalInNanoseconds(text, unit);
     if (!time) {
       throw Error(At(path, table.lines[i]) + ": " + Quoted(text) + " is not a time");
     }
     if (!image_column && !times.rows.empty() && *time <= times.rows.back().timestamp_ns) {
-      throw Error(At(path, table.lines[i]) + ": a time that is not after the one before");
+      throw Error(At(path, table.lines[i]) + ": a time that is not after the one before" +
+                  WhyNotAfter(table, column, *time == times.rows.back().timestamp_ns));
     }
     times.rows.push_back({*time, image_column ? table.rows[i][*image_column] : std::string()});
   }

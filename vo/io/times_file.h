@@ -31,8 +31,8 @@ TimesFile ReadTimesFile(const std::filesystem::path& path);
 
 /// The times files of a data set: of both cameras (index 2), or of the left or right one (0, 1).
 /// They are looked for in `root`, in the folders of the cameras and in those above these below
-/// `root`, by names that hold "time" or "stamp" or that are the camera's; nothing where there is
-/// none.
+/// `root`, by names that hold "time" or "stamp" or that are the camera's; else a file in
+/// `root` whose rows name images that are there; nothing where there is none.
 std::array<std::optional<std::filesystem::path>, 3> FindTimesFiles(
     const std::filesystem::path& root, const std::array<std::filesystem::path, 2>& folders);
 

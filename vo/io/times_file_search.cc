@@ -1,8 +1,10 @@
 // Where data sets keep the times of their images.
 
 #include <algorithm>
+#include <cstdint>
 #include <system_error>
 
+#include "gluevo/nn/error.h"
 #include "name_parts.h"
 #include "times_file.h"
 
@@ -57,6 +59,24 @@ fs::path FolderBelow(const fs::path& root, const fs::path& folder) {
   return relative.empty() || *relative.begin() == ".." ? folder : root / *relative.begin();
 }
 
+// rgb.txt, associations.txt and their like: rows that name images which are there.
+bool NamesImages(const fs::path& file, const fs::path& root,
+                 const std::array<fs::path, 2>& folders) {
+  std::error_code ignored;
+  // Larger ones are not lists of images.
+  constexpr std::uintmax_t kLargest = 64 << 20;
+  if (fs::file_size(file, ignored) > kLargest) {
+    return false;
+  }
+  try {
+    const std::string image = ReadTimesFile(file).rows.front().image;
+    return !image.empty() && (fs::is_regular_file(root / image, ignored) ||
+                              fs::is_regular_file(folders[0] / image, ignored));
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 std::array<std::optional<fs::path>, 3> FindTimesFiles(const fs::path& root,
@@ -90,6 +110,13 @@ std::array<std::optional<fs::path>, 3> FindTimesFiles(const fs::path& root,
     } else if (IsTimesName(stem)) {
       take(found[side.value_or(2)], file);
     }
+  }
+  if (!found[0] && !found[1] && !found[2]) {
+    const std::vector<fs::path> files = TextFiles(root);
+    const auto file = std::find_if(files.begin(), files.end(), [&](const fs::path& path) {
+      return NamesImages(path, root, folders);
+    });
+    found[2] = file == files.end() ? std::nullopt : std::optional(*file);
   }
   return found;
 }

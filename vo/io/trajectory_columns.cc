@@ -97,7 +97,8 @@ enum class Kind { kPosition, kQuaternion, kOther };
 /// What the words before an axis say; nothing for "" and words that say nothing ("RS", "pose").
 std::optional<Kind> KindOf(const Words& words) {
   for (const std::string& word : words) {
-    if (IsOneOf(word, {"q", "quat", "quaternion", "orientation", "rot", "rotation", "attitude"})) {
+    if (IsOneOf(word, {"q", "quat", "quaternion", "orientation", "rot", "rotation", "attitude", "r",
+                       "o", "ori"})) {
       return Kind::kQuaternion;
     }
     if (IsOneOf(word, {"p", "pos", "position", "t", "trans", "translation", "location"})) {
@@ -111,6 +112,53 @@ std::optional<Kind> KindOf(const Words& words) {
     }
   }
   return std::nullopt;
+}
+
+/// Metres of a unit of length; nothing for words that are none.
+std::optional<double> LengthOf(const Words& words) {
+  for (const std::string& word : words) {
+    if (IsOneOf(word, {"m", "meter", "meters", "metre", "metres"})) {
+      return 1.0;
+    }
+    if (IsOneOf(word, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"})) {
+      return 0.01;
+    }
+    if (IsOneOf(word, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"})) {
+      return 0.001;
+    }
+    if (IsOneOf(word, {"ft", "foot", "feet"})) {
+      return 0.3048;
+    }
+  }
+  return std::nullopt;
+}
+
+/// "x_mm": the unit behind the name becomes its unit.
+void TakeLength(ColumnName& name) {
+  if (name.unit.empty() && name.words.size() > 1 && LengthOf({name.words.back()})) {
+    name.unit = {name.words.back()};
+    name.words.pop_back();
+  }
+}
+
+/// q0 to q3, which are w x y z, and qi, qj, qk, qr: 0 to 3 for x to w.
+std::optional<std::size_t> AxisOfQuaternion(const Words& words, bool& is_numbered) {
+  std::string name;
+  for (const std::string& word : words) {
+    name += word;
+  }
+  const std::string prefix = name.substr(0, name.size() - std::min<std::size_t>(1, name.size()));
+  if (!IsOneOf(prefix, {"q", "quat", "quaternion"})) {
+    return std::nullopt;
+  }
+  constexpr std::string_view kNumbers = "1230";
+  constexpr std::string_view kUnits = "ijkr";
+  const std::size_t number = kNumbers.find(name.back());
+  const std::size_t unit = kUnits.find(name.back());
+  is_numbered = is_numbered || number != std::string_view::npos;
+  return number != std::string_view::npos ? std::optional(number)
+         : unit != std::string_view::npos ? std::optional(unit)
+                                          : std::nullopt;
 }
 
 /// "x" to "w" as 0 to 3, where a name ends with an axis that stands alone ("q_RS_x") or behind a
@@ -165,13 +213,25 @@ PoseColumns ColumnsWithWFirst() {
   return columns;
 }
 
-std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
+std::size_t ColumnsNamed(std::string_view header) {
   const std::vector<ColumnName> names = SplitHeader(header);
+  const bool is_timed =
+      !names.empty() && (IsTime(names.front().words) || IsTime(names.back().words));
+  return is_timed ? names.size() : 0;
+}
+
+std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
+  std::vector<ColumnName> names = SplitHeader(header);
   PoseColumns columns;
   std::optional<std::size_t> time;
+  // "rx ry rz" beside "qx qy qz qw" are angles.
+  const bool has_q = std::any_of(names.begin(), names.end(), [](const ColumnName& name) {
+    return !name.words.empty() && name.words.front().starts_with('q');
+  });
   Places<3> position;
   Places<4> rotation;
   for (std::size_t i = 0; i < names.size(); ++i) {
+    TakeLength(names[i]);
     Words words = names[i].words;
     if (IsTime(words)) {
       const std::optional<TimeUnit> unit =
@@ -185,7 +245,14 @@ std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
       }
       continue;
     }
+    if (const auto axis = AxisOfQuaternion(words, columns.is_numbered)) {
+      Fill(rotation, *axis, i);
+      continue;
+    }
     if (const std::optional<std::size_t> axis = TakeAxis(words)) {
+      if (has_q && words.size() == 1 && IsOneOf(words[0], {"r", "o"})) {
+        continue;
+      }
       const std::optional<Kind> kind = KindOf(words);
       const bool is_position =
           kind.value_or(Kind::kPosition) == Kind::kPosition && Fill(position, *axis, i);
@@ -199,6 +266,7 @@ std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
     return std::nullopt;
   }
   columns.time = *time;
+  columns.metres = LengthOf(names[*position[0]].unit).value_or(1.0);
   std::transform(position.begin(), position.end(), columns.position.begin(),
                  [](const auto& place) { return *place; });
   std::transform(rotation.begin(), rotation.end(), columns.rotation.begin(),

@@ -41,7 +41,11 @@ struct Oddities {
     void Add(int line) { first_line = rows++ == 0 ? line : first_line; }
   };
   Count no_pose;
+  Count zeros;
   Count not_normalized;
+  /// Lengths of the quaternions that are not normalized.
+  double shortest = std::numeric_limits<double>::infinity();
+  double longest = 0.0;
 };
 
 double ParseField(const fs::path& path, const TextLine& line, std::string_view field) {
@@ -65,6 +69,8 @@ Eigen::Quaterniond ParseQuaternion(const fs::path& path, const TextLine& line,
   }
   if (std::abs(length - 1.0) > kTolerance) {
     oddities.not_normalized.Add(line.number);
+    oddities.shortest = std::min(oddities.shortest, length);
+    oddities.longest = std::max(oddities.longest, length);
   }
   return q.normalized();
 }
@@ -81,12 +87,24 @@ std::optional<int64_t> ParseTime(const PoseColumns& columns,
   return valid ? std::optional(*time + *rest) : std::nullopt;
 }
 
+/// "12.5 lost", or a time alone.
+bool IsWithoutPose(const std::vector<std::string_view>& fields) {
+  return fields.size() == 1 ||
+         std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+           return !field.empty() && std::isalpha(static_cast<unsigned char>(field.front())) != 0;
+         });
+}
+
 /// The pose of a row of a table; nothing where it has none.
 std::optional<PoseRow> ParseRow(const fs::path& path, const TextLine& line,
                                 const TrajectoryLayout& layout, TimeUnit unit, Oddities& oddities) {
   const auto fields = SplitFields(line.text, layout.separator);
   const PoseColumns& columns = layout.columns;
   if (fields.size() < columns.Count()) {
+    if (IsWithoutPose(fields)) {
+      oddities.no_pose.Add(line.number);
+      return std::nullopt;
+    }
     throw Error(At(path, line) + ": " + std::to_string(fields.size()) +
                 " fields, expected at least " + std::to_string(columns.Count()) + ": " +
                 layout.description);
@@ -106,10 +124,46 @@ std::optional<PoseRow> ParseRow(const fs::path& path, const TextLine& line,
   const auto number = [&](std::size_t column) { return ParseField(path, line, fields[column]); };
   const auto& [x, y, z] = columns.position;
   const auto& [qx, qy, qz, qw] = columns.rotation;
-  const Eigen::Vector3d translation(number(x), number(y), number(z));
+  const Eigen::Vector3d translation =
+      columns.metres * Eigen::Vector3d(number(x), number(y), number(z));
   const Eigen::Quaterniond rotation(number(qw), number(qx), number(qy), number(qz));
+  if (rotation.coeffs().isZero(0.0)) {
+    oddities.zeros.Add(line.number);
+    return std::nullopt;
+  }
   return PoseRow{line.number,
                  {*timestamp_ns, {ParseQuaternion(path, line, rotation, oddities), translation}}};
+}
+
+/// What a program that was killed leaves: too few numbers, or, without a line end, a part of one.
+bool IsCutOff(const fs::path& path, const TextLine& line, const TrajectoryLayout& layout,
+              TimeUnit unit, bool has_no_end) {
+  const auto fields = SplitFields(line.text, layout.separator);
+  if (fields.size() < layout.columns.Count() && !IsWithoutPose(fields)) {
+    return true;
+  }
+  if (!has_no_end) {
+    return false;
+  }
+  try {
+    Oddities oddities;
+    ParseRow(path, line, layout, unit, oddities);
+    return oddities.not_normalized.rows > 0;
+  } catch (const Error&) {
+    return true;
+  }
+}
+
+/// Quaternions that are all of another length, and each of its own, are other numbers.
+void CheckLengths(const fs::path& path, std::size_t rows, const Oddities& oddities) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kSpread = 1.1;
+  if (rows >= kFewest && oddities.not_normalized.rows == rows &&
+      oddities.longest > kSpread * oddities.shortest) {
+    throw Error(path.string() + ":" + std::to_string(oddities.not_normalized.first_line) +
+                ": no quaternion of the file has length 1 (" + std::to_string(oddities.shortest) +
+                " to " + std::to_string(oddities.longest) + "): are the columns in another order?");
+  }
 }
 
 Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, TrajectoryLayout& layout,
@@ -132,10 +186,17 @@ Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, Trajec
   std::vector<PoseRow> rows;
   rows.reserve(lines.rows.size());
   for (const TextLine& line : lines.rows) {
+    const bool is_last = lines.rows.size() > 1 && &line == &lines.rows.back();
+    if (is_last && IsCutOff(path, line, layout, unit, !lines.is_ended)) {
+      notes.push_back("the last row (line " + std::to_string(line.number) +
+                      ") is cut off: left out");
+      continue;
+    }
     if (const std::optional<PoseRow> row = ParseRow(path, line, layout, unit, oddities)) {
       rows.push_back(*row);
     }
   }
+  CheckLengths(path, rows.size(), oddities);
   return InOrderOfTime(path, std::move(rows), notes);
 }
 
@@ -161,6 +222,10 @@ Trajectory ParseMatrices(const fs::path& path, const TrajectoryLines& lines,
                    [&](std::string_view field) { return ParseField(path, line, field); });
     const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
     const Eigen::Matrix3d rotation = matrix.leftCols<3>();
+    if (rotation.isZero(0.0)) {
+      oddities.zeros.Add(line.number);
+      continue;
+    }
     if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() <= 0.01) ||
         rotation.determinant() < 0.0) {
       throw Error(At(path, line) + ": the first 3 x 3 numbers are not a rotation");
@@ -190,11 +255,17 @@ TrajectoryFile ParseTrajectory(std::string_view text, const fs::path& path) {
                    : ParseTable(path, lines, layout, oddities, file.notes);
   if (file.poses.empty()) {
     throw Error(path.string() + ": a trajectory without a pose: " +
-                Rows(oddities.no_pose, "row has", "rows have") + " NaN or nothing in it");
+                Rows(oddities.no_pose.rows > 0 ? oddities.no_pose : oddities.zeros, "row has",
+                     "rows have") +
+                " NaN, nothing or a quaternion of zeros in it");
   }
   if (oddities.no_pose.rows > 0) {
     file.notes.push_back(Rows(oddities.no_pose, "row", "rows") +
-                         " of NaN, infinity or nothing left out");
+                         " of NaN, infinity, words or nothing left out");
+  }
+  if (oddities.zeros.rows > 0) {
+    file.notes.push_back(Rows(oddities.zeros, "row", "rows") +
+                         " whose rotation is all zeros left out");
   }
   if (oddities.not_normalized.rows > 0) {
     file.notes.push_back(Rows(oddities.not_normalized, "quaternion is", "quaternions are") +

@@ -14,6 +14,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kPoseFields = 8;
 constexpr std::size_t kKittiFields = 12;
 constexpr std::size_t kMatrixFields = 16;  // KITTI's rows, and 0 0 0 1.
+constexpr std::size_t kFewestNames = 4;
 constexpr const char* kTumRow = "t x y z qx qy qz qw";
 constexpr const char* kEurocRow = "t[ns],x,y,z,qw,qx,qy,qz";
 
@@ -48,15 +49,55 @@ bool IsHomogeneous(const std::vector<std::string_view>& fields) {
               "commas (EuRoC)");
 }
 
+/// A tracker may begin with rows that hold no pose.
+const TextLine& FirstWholeRow(const TrajectoryLines& lines) {
+  const auto whole = [](const TextLine& line) {
+    std::string blanks = line.text;
+    std::replace_if(
+        blanks.begin(), blanks.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+    return SplitFields(blanks, ' ').size() >= kPoseFields;
+  };
+  const auto first = std::find_if(lines.rows.begin(), lines.rows.end(), whole);
+  return first == lines.rows.end() ? lines.rows.front() : *first;
+}
+
+void NoteUnusualNames(const PoseColumns& header, std::vector<std::string>& notes) {
+  if (header.is_numbered) {
+    notes.emplace_back("q0, q1, q2, q3 are taken as the quaternion's w, x, y, z");
+  }
+  if (header.metres != 1.0) {
+    notes.push_back("positions are in " +
+                    std::string(header.metres == 0.001  ? "millimetres"
+                                : header.metres == 0.01 ? "centimetres"
+                                                        : "feet") +
+                    ", as the header says: brought to metres");
+  }
+}
+
+/// Names for each column that are not known may say another order than the usual one.
+void CheckUnknownHeader(const fs::path& path, const TextLine& header, std::size_t fields,
+                        std::vector<std::string>& notes) {
+  if (ColumnsNamed(header.text) == fields) {
+    throw Error(At(path, header) + ": names columns that are not known, " + Quoted(header.text) +
+                ": expected a time, x y z and qx qy qz qw (in any order, or tx, p_x, q_w, rot_w, "
+                "q0 to q3 and the like)");
+  }
+  notes.push_back("line " + std::to_string(header.number) + ", " + Quoted(header.text) +
+                  ", does not tell the columns of a pose: their usual order is taken");
+}
+
 }  // namespace
 
 TrajectoryLines SplitTrajectoryLines(std::string_view text, const fs::path& path) {
   TrajectoryLines lines;
+  lines.is_ended = text.ends_with('\n') || text.ends_with('\r');
   for (TextLine& line : SplitLines(text, path, /*skip_comments=*/false)) {
     const bool is_comment = IsComment(line.text);
     if (lines.rows.empty() && (is_comment || IsHeader(line.text))) {
       if (std::optional<PoseColumns> columns = ColumnsOfHeader(line.text)) {
         lines.header = columns;
+      } else if (ColumnsNamed(line.text) >= kFewestNames) {
+        lines.unknown_header = line;
       }
       continue;
     }
@@ -73,7 +114,7 @@ TrajectoryLines SplitTrajectoryLines(std::string_view text, const fs::path& path
 
 TrajectoryLayout LayoutOf(const fs::path& path, const TrajectoryLines& lines,
                           std::vector<std::string>& notes) {
-  const TextLine& first = lines.rows.front();
+  const TextLine& first = FirstWholeRow(lines);
   TrajectoryLayout layout;
   layout.separator = SeparatorOf(path, first);
   auto fields = SplitFields(first.text, layout.separator);
@@ -92,6 +133,7 @@ TrajectoryLayout LayoutOf(const fs::path& path, const TrajectoryLines& lines,
     layout.is_named = true;
     table(between_commas ? TrajectoryFormat::kEuroc : TrajectoryFormat::kTum, *lines.header);
     layout.description = "what the header names";
+    NoteUnusualNames(*lines.header, notes);
     return layout;
   }
   // Between commas 12 may also be EuRoC's eight and more.
@@ -106,6 +148,9 @@ TrajectoryLayout LayoutOf(const fs::path& path, const TrajectoryLines& lines,
     throw Error(At(path, first) +
                 ": a number and a matrix a row (as KITTI-360 writes poses), expected 12 numbers "
                 "(KITTI) or t x y z qx qy qz qw (TUM)");
+  }
+  if (lines.unknown_header) {
+    CheckUnknownHeader(path, *lines.unknown_header, fields.size(), notes);
   }
   if (fields.size() < kPoseFields) {
     ThrowNoTrajectory(path, first, fields.size());

@@ -17,6 +17,9 @@ namespace gluevo::vo {
 struct TrajectoryLines {
   std::vector<TextLine> rows;
   std::optional<PoseColumns> header;
+  /// A line before the first row that names columns, but not all of a pose's in a way known here.
+  std::optional<TextLine> unknown_header;
+  bool is_ended = true;  ///< The last row has a line end.
 };
 
 /// Throws Error naming the file where it is no text or has no rows.

@@ -48,6 +48,14 @@ std::optional<double> MedianStep(std::vector<double> values) {
   return *middle;
 }
 
+constexpr int64_t kMillisecondNs = 1'000'000;
+
+bool IsSame(const StampedPose& a, const StampedPose& b) {
+  return a.timestamp_ns == b.timestamp_ns &&
+         a.world_from_body.translation == b.world_from_body.translation &&
+         a.world_from_body.rotation.coeffs() == b.world_from_body.rotation.coeffs();
+}
+
 std::string Count(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + ' ' + (count == 1 ? one : many);
 }
@@ -127,8 +135,15 @@ Trajectory InOrderOfTime(const std::filesystem::path& path, std::vector<PoseRow>
   Trajectory trajectory;
   trajectory.reserve(rows.size());
   std::size_t repeated = 0;
+  std::size_t equal = 0;
+  bool few_digits = true;
   int first_line = 0;
   for (const PoseRow& row : rows) {
+    few_digits = few_digits && row.pose.timestamp_ns % kMillisecondNs == 0;
+    if (!trajectory.empty() && IsSame(row.pose, trajectory.back())) {
+      ++equal;
+      continue;
+    }
     if (!trajectory.empty() && row.pose.timestamp_ns == trajectory.back().timestamp_ns) {
       first_line = repeated == 0 ? row.line : first_line;
       ++repeated;
@@ -142,8 +157,13 @@ Trajectory InOrderOfTime(const std::filesystem::path& path, std::vector<PoseRow>
   if (repeated > kSome && repeated * kTenth > rows.size()) {
     throw Error(path.string() + ":" + std::to_string(first_line) + ": the same time as in a row " +
                 "before, as in " + std::to_string(repeated) + " of " + std::to_string(rows.size()) +
-                " rows: the times have too few digits; write them with all their decimals "
-                "(std::fixed)");
+                " rows: " +
+                (few_digits ? "the times have too few digits; write them with all their decimals "
+                              "(std::fixed)"
+                            : "are two runs, or two trajectories, in one file?"));
+  }
+  if (equal > 0) {
+    notes.push_back(Count(equal, "row is", "rows are") + " in the file twice: left out once");
   }
   if (repeated > 0) {
     notes.push_back(Count(repeated, "row repeats", "rows repeat") +

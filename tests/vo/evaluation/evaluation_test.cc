@@ -428,6 +428,41 @@ TEST(EvaluateTest, FewMatesAreSaidAndAreNoCoverage) {
   EXPECT_FALSE(AssociationWarning(all, {}));
 }
 
+TEST(EvaluateTest, AScaleOfOtherUnitsIsSaid) {
+  const Trajectory estimate = Circle(60, 0, 50'000'000);
+  const auto warning = [&](double factor) {
+    Trajectory groundtruth = estimate;
+    for (StampedPose& pose : groundtruth) {
+      pose.world_from_body.translation *= factor;
+    }
+    return ScaleWarning(Evaluate(estimate, groundtruth, {})).value_or("");
+  };
+  EXPECT_NE(warning(1000.0).find("is the ground truth in millimetres"), std::string::npos);
+  EXPECT_NE(warning(0.01).find("is the estimate in centimetres"), std::string::npos);
+  EXPECT_NE(warning(30.0).find("are both in metres?"), std::string::npos);
+  EXPECT_EQ(warning(1.0), "");
+  EXPECT_EQ(warning(0.2), "");
+}
+
+TEST(EvaluateTest, ClocksThatAreABitApartAreSaid) {
+  const Trajectory groundtruth = Circle(30, 0, 100'000'000);
+  Trajectory estimate = groundtruth;
+  for (StampedPose& pose : estimate) {
+    pose.timestamp_ns += 40'000'000;
+  }
+  try {
+    Evaluate(estimate, groundtruth, {});
+    ADD_FAILURE() << "evaluated";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("0.04 s apart (--max-time-difference)"),
+              std::string::npos)
+        << error.what();
+  }
+  const Evaluation few = Evaluate(groundtruth, {groundtruth.begin(), groundtruth.begin() + 4}, {});
+  EXPECT_NE(AssociationWarning(few, {}).value_or("").find("only 4 of 30 poses of the estimate"),
+            std::string::npos);
+}
+
 TEST(EvaluateTest, OtherTimesAreNamed) {
   try {
     Evaluate(Circle(60, 0, 50'000'000), Circle(60, 1'000'000'000'000, 50'000'000), {});

@@ -273,6 +273,33 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
   ExpectContains(yaml("0.21", "0.10"), {"in the same place"});
 }
 
+TEST_F(DatasetTest, ReadsEurocsTimesInOtherUnits) {
+  const auto open = [&](const std::string& first, const std::string& second) {
+    const fs::path root = MakeEuroc();
+    for (const char* const camera : {"cam0", "cam1"}) {
+      WriteText(root / "mav0" / camera / "data.csv",
+                "#timestamp [ns],filename\n" + first + ",100.png\n" + second + ",300.png\n");
+    }
+    const Dataset dataset = OpenDataset(root, {});
+    EXPECT_EQ(dataset.entries.at(1).timestamp_ns, 1500000000050000000);
+    return dataset.notes.empty() ? "" : dataset.notes.front();
+  };
+  ExpectContains(open("1500000000000000", "1500000000050000"), {"cam0/data.csv", "microseconds"});
+  ExpectContains(open("1500000000.000000", "1500000000.050000"), {"in seconds"});
+  EXPECT_EQ(open("1500000000000000000.0", "1500000000050000000.0"), "");
+  ExpectContains(MessageOf([&] { open("1.5e+18", "1.5e+18"); }), {"twice", "too few digits"});
+}
+
+TEST_F(DatasetTest, KittiImagesOfAnotherSizeThanTheCalibrationsAreWarnedOf) {
+  const fs::path root = MakeKittiOdometry();
+  EXPECT_TRUE(OpenDataset(root, {}).warnings.empty());
+  WriteText(root / "calib.txt",
+            "P0: 40 0 31 0 0 42 23 0 0 0 1 0\nP1: 40 0 31 -20 0 42 23 0 0 0 1 0\n");
+  const Dataset dataset = OpenDataset(root, {});
+  ASSERT_FALSE(dataset.warnings.empty());
+  ExpectContains(dataset.warnings.front(), {"calib.txt", "principal point"});
+}
+
 TEST_F(DatasetTest, LeavesOutWhatIsMissingAndSaysSo) {
   const fs::path euroc = MakeEuroc();
   fs::remove(euroc / "mav0" / "cam1" / "data" / "300.png");

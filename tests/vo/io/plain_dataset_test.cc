@@ -115,6 +115,48 @@ TEST_F(PlainDatasetTest, KnowsTheUnitOfStampsInNames) {
   EXPECT_TRUE(Open().warnings.empty());
 }
 
+TEST_F(PlainDatasetTest, ReadsNanosecondsWithoutTheirZeros) {
+  // str(seconds) + "." + str(nanoseconds): 7000001 is seven thousandths.
+  const Names names = {"1500000000.7000001.png", "1500000000.57000001.png",
+                       "1500000000.107000001.png", "1500000000.957000001.png",
+                       "1500000001.7000001.png"};
+  const Times times = TimesOf(names);
+  ASSERT_EQ(times.size(), 5U);
+  EXPECT_EQ(times[0], 1500000000 * kSecond + 7000001);
+  EXPECT_EQ(times[1] - times[0], 50000000);
+  EXPECT_EQ(times[4], 1500000001 * kSecond + 7000001);
+  ExpectHas(All(Open().notes), {"seconds and nanoseconds"});
+  // As decimals half a second and five hundredths would be the same.
+  EXPECT_EQ(TimesOf(Names{"1500000000.0.png", "1500000000.50000000.png", "1500000000.100000000.png",
+                          "1500000000.150000000.png", "1500000000.500000000.png"})[1],
+            1500000000 * kSecond + 50000000);
+  // Decimals without their last zeros stay decimals.
+  EXPECT_EQ(TimesOf(Names{"1500000000.0.png", "1500000000.25.png", "1500000000.5.png",
+                          "1500000000.75.png"}),
+            (Times{1500000000 * kSecond, 1500000000 * kSecond + 250000000,
+                   1500000000 * kSecond + 500000000, 1500000000 * kSecond + 750000000}));
+}
+
+TEST_F(PlainDatasetTest, ReadsDatesInNames) {
+  // 2023-05-01 12:00:59.95 and a tenth later.
+  const Times times = {1682942459 * kSecond + 950000000, 1682942460 * kSecond + 50000000};
+  for (const Names& names :
+       {Names{"20230501120059950.png", "20230501120100050.png"},
+        Names{"20230501T120059.950000.png", "20230501T120100.050000.png"},
+        Names{"2023-05-01_12-00-59.950000.png", "2023-05-01_12-01-00.050000.png"},
+        Names{"2023-05-01-12-00-59-950000.png", "2023-05-01-12-01-00-050000.png"},
+        Names{"2023-05-01-12-00-59-950.png", "2023-05-01-12-01-00-50.png"},
+        Names{"2023-05-01 12:00:59.95.png", "2023-05-01 12:01:00.05.png"},
+        Names{"left_20230501_120059_950000.png", "left_20230501_120100_050000.png"}}) {
+    SCOPED_TRACE(names.front());
+    EXPECT_EQ(TimesOf(names), times);
+    ExpectHas(All(Open().notes), {"times in years, months, days, hours"});
+  }
+  // When the recording began, and a number: no times.
+  const Names numbered = {"20230501_120059_00001.png", "20230501_120059_00002.png"};
+  EXPECT_EQ(TimesOf(numbered), (Times{0, kSecond / 10}));
+}
+
 TEST_F(PlainDatasetTest, NumbersKeepTheirTimes) {
   Make({"000000.png", "000001.png", "000002.png", "000003.png"},
        {"000000.png", "000002.png", "000003.png"});
@@ -220,6 +262,36 @@ TEST_F(PlainDatasetTest, ReadsTimesFilesInTheirForms) {
             expected);
   // More rows than images: numbers count rows, as KITTI's do.
   EXPECT_EQ(text("5.0\n5.05\n5.1\n5.15\n"), expected);
+}
+
+TEST_F(PlainDatasetTest, ReadsTimesOfIsoFormAndOfClocks) {
+  const Names names = {"0.png", "1.png"};
+  Make(names, names);
+  WriteText(root() / "times.txt", "2023-05-01T12:00:59.95Z\n2023-05-01T14:01:00.05+02:00\n");
+  EXPECT_EQ(TimesOf(Open()),
+            (Times{1682942459 * kSecond + 950000000, 1682942460 * kSecond + 50000000}));
+  WriteText(root() / "times.txt", "12:00:00.05\n12:00:00.10\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{43200 * kSecond + 50000000, 43200 * kSecond + 100000000}));
+  WriteText(root() / "times.txt", "0,050000\n0,100000\n");
+  EXPECT_EQ(ErrorOf().find("decimal commas") == std::string::npos, false) << ErrorOf();
+  WriteText(root() / "times.txt", "1.5e+09\n1.5e+09\n");
+  ExpectHas(ErrorOf(), {"too few digits"});
+}
+
+TEST_F(PlainDatasetTest, FindsTimesByTheImagesThatTheyName) {
+  const Names names = {"a0.png", "a1.png"};
+  for (const std::string file : {"rgb.txt", "associations.txt", "frames.csv"}) {
+    SCOPED_TRACE(file);
+    Make(names, names);
+    WriteText(root() / file, "1.5 left/a0.png\n1.75 left/a1.png\n");
+    EXPECT_EQ(TimesOf(Open()), (Times{1500000000, 1750000000}));
+    ExpectHas(All(Open().notes), {file});
+  }
+  // Numbers that are no times of images.
+  Make(names, names);
+  WriteText(root() / "exposures.txt", "1.5 2\n1.75 3\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{0, kSecond / 10}));
+  ExpectHas(All(Open().warnings), {"whose name has \"time\" or \"stamp\""});
 }
 
 TEST_F(PlainDatasetTest, NamesWhatIsWrongWithTimesFiles) {

@@ -61,6 +61,48 @@ TEST(TrajectoryFormsTest, HeadersPutTheScalarLast) {
              kTime);
 }
 
+TEST(TrajectoryFormsTest, HeadersNumberTheQuaternionOrCallItRotation) {
+  for (const std::string header :
+       {"time,x,y,z,q0,q1,q2,q3", "time,x,y,z,q_0,q_1,q_2,q_3", "%time,tx,ty,tz,rw,rx,ry,rz",
+        "t,x,y,z,ow,ox,oy,oz", "t,x,y,z,qr,qi,qj,qk"}) {
+    SCOPED_TRACE(header);
+    ExpectPose(Parse(header + "\n1403715273.262142976,1,2,3,0.6,0,0,0.8\n"), kTime);
+  }
+  ExpectPose(Parse("# time q0 q1 q2 q3 x y z\n1 0.6 0 0 0.8 1 2 3\n"), 1000000000);
+  EXPECT_NE(OnlyNote(Parse("# time q0 q1 q2 q3 x y z\n1 0.6 0 0 0.8 1 2 3\n")).find("w, x, y, z"),
+            std::string::npos);
+}
+
+TEST(TrajectoryFormsTest, HeadersOfUnknownNamesAreNotPassedOver) {
+  try {
+    Parse("#timestamp [ns],a,b,c,d,e,f,g\n1403715273262142976,1,2,3,0,0,0.8,0.6\n");
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("file:1: names columns that are not known"),
+              std::string::npos)
+        << error.what();
+  }
+  // Not one name a column: said.
+  const TrajectoryFile file = Parse("# timestamp(s) q p v bg ba\n1 1 2 3 0 0 0.8 0.6 9 9\n");
+  ASSERT_EQ(file.notes.size(), 2U);
+  EXPECT_NE(file.notes[1].find("10 columns"), std::string::npos) << file.notes[1];
+  EXPECT_NE(file.notes[0].find("line 1"), std::string::npos) << file.notes[0];
+}
+
+TEST(TrajectoryFormsTest, ColumnsInAnotherOrderAreTold) {
+  EXPECT_THROW(Parse("1 0.6 0 0 0.8 1 2 3\n2 0.6 0 0 0.8 1 1 3\n3 0.6 0 0 0.8 0.1 1 1\n"), Error);
+}
+
+TEST(TrajectoryFormsTest, HeadersTellTheUnitOfPositions) {
+  for (const std::string header :
+       {"t,x[mm],y[mm],z[mm],qx,qy,qz,qw", "t,x_mm,y_mm,z_mm,qx,qy,qz,qw"}) {
+    const TrajectoryFile file =
+        Parse(header + "\n1403715273262142976,1000,2000,3000,0,0,0.8,0.6\n");
+    ExpectPose(file, kTime);
+    EXPECT_NE(OnlyNote(file).find("millimetres"), std::string::npos);
+  }
+}
+
 TEST(TrajectoryFormsTest, HeadersThatNameNoPoseArePassedOver) {
   ExpectPose(Parse("# pose of the imu in the world\nmy trajectory\n1 1 2 3 0 0 0.8 0.6\n"),
              1000000000);
@@ -137,9 +179,52 @@ TEST(TrajectoryFormsTest, RowsAreSortedAndRepeatedTimesAreLeftOut) {
   EXPECT_NE(OnlyNote(repeated).find("1 row repeats"), std::string::npos);
   std::string rounded;
   for (int i = 0; i < 20; ++i) {
-    rounded += "1.40372e+09 1 2 3 0 0 0.8 0.6\n";
+    rounded += "1.40372e+09 " + std::to_string(i) + " 2 3 0 0 0.8 0.6\n";
   }
   EXPECT_THROW(Parse(rounded), Error);
+}
+
+TEST(TrajectoryFormsTest, RowsOfALostTrackerAreLeftOut) {
+  const std::string good = "1 1 2 3 0 0 0.8 0.6\n";
+  const TrajectoryFile zeros = Parse(good + "2 0 0 0 0 0 0 0\n3 1 2 3 0 0 0.8 0.6\n");
+  EXPECT_EQ(zeros.poses.size(), 2U);
+  EXPECT_NE(OnlyNote(zeros).find("1 row (first in line 2)"), std::string::npos);
+  const TrajectoryFile lost = Parse("0 lost\n" + good + "2 lost\n3\n4 1 2 3 0 0 0.8 0.6\n");
+  EXPECT_EQ(lost.poses.size(), 2U);
+  EXPECT_NE(OnlyNote(lost).find("3 rows (first in line 1)"), std::string::npos);
+  const TrajectoryFile kitti = Parse("0 0 0 0 0 0 0 0 0 0 0 0\n1 0 0 0 0 1 0 0 0 0 1 0\n");
+  EXPECT_EQ(kitti.poses.size(), 1U);
+}
+
+TEST(TrajectoryFormsTest, ALastRowThatIsCutOffIsLeftOut) {
+  const std::string good = "1 1 2 3 0 0 0.8 0.6\n";
+  for (const std::string last : {"2 1 2 3 0 0", "2 1 2 3 0 0 0.8 6e", "2 1 2 3 0 0 0.8 0."}) {
+    SCOPED_TRACE(last);
+    const TrajectoryFile file = Parse(good + last);
+    EXPECT_EQ(file.poses.size(), 1U);
+    EXPECT_NE(OnlyNote(file).find("line 2) is cut off"), std::string::npos);
+  }
+  EXPECT_EQ(Parse(good + "2 1 2 3 0 0 0.8 0.6").poses.size(), 2U);
+  EXPECT_THROW(Parse(good + "2 1 2 3 0 0\n" + "3 1 2 3 0 0 0.8 0.6\n"), Error);
+}
+
+TEST(TrajectoryFormsTest, RowsThatAreThereTwiceAreNotBlamedOnDigits) {
+  std::string rows;
+  std::string other;
+  for (int i = 0; i < 20; ++i) {
+    const std::string time = "1403715273.0" + std::to_string(10 + i) + "142976 ";
+    rows += time + std::to_string(i) + " 2 3 0 0 0.8 0.6\n";
+    other += time + std::to_string(i + 1) + " 2 3 0 0 0.8 0.6\n";
+  }
+  const TrajectoryFile twice = Parse(rows + rows);
+  EXPECT_EQ(twice.poses.size(), 20U);
+  EXPECT_NE(twice.notes.back().find("20 rows are in the file twice"), std::string::npos);
+  try {
+    Parse(rows + other);
+    ADD_FAILURE() << "read";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("two runs"), std::string::npos) << error.what();
+  }
 }
 
 TEST(TrajectoryFormsTest, QuaternionsAreMadeUnitLengthAndSaid) {

@@ -97,9 +97,12 @@ struct Evaluation {
 Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
                     const EvaluationOptions& options);
 
-/// A sentence where fewer than half of the shorter trajectory's poses associate: the options are
-/// those of the evaluation.
+/// A sentence where fewer than half of the estimate's poses associate, or, where it is the shorter
+/// one, of the ground truth's: the options are those of the evaluation.
 std::optional<std::string> AssociationWarning(const Evaluation& evaluation,
                                               const EvaluationOptions& options);
+
+/// A sentence where the scale is above 10 or below 0.1: one of both is hardly in metres.
+std::optional<std::string> ScaleWarning(const Evaluation& evaluation);
 
 }  // namespace gluevo::vo
