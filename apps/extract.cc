@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
@@ -63,6 +64,7 @@ void Extract(const ExtractArguments& arguments) {
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);
+  CheckOutputsAreNoInputs({arguments.output}, {arguments.images, arguments.networks.superpoint});
   const vo::Networks networks = vo::LoadNetworks(arguments.networks, /*with_superglue=*/false);
   const std::unique_ptr<vo::FeatureExtractor> extractor =
       vo::MakeExtractor(networks, arguments.superpoint, pool);

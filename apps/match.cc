@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
@@ -55,6 +56,9 @@ int CountMatches(const nn::Matches& matches) {
 void MatchFile(const MatchArguments& arguments) {
   const Interruption interruption;
   const vo::FeatureReader reader(arguments.inputs[0]);
+  CheckOutputsAreNoInputs({arguments.output},
+                          {arguments.inputs[0], arguments.pairs, arguments.networks.superpoint,
+                           arguments.networks.superglue});
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;
   nn::ThreadPool pool(arguments.threads);
@@ -148,6 +152,8 @@ cv::Mat ReadImage(const fs::path& file, int gray_bits) {
 
 void MatchImages(const MatchArguments& arguments) {
   if (!arguments.draw.empty()) {
+  CheckOutputsAreNoInputs({arguments.draw},
+                          {arguments.inputs[0], arguments.inputs[1], arguments.homography});
     CheckPlaceForDrawing(arguments.draw);
   }
   std::optional<cv::Matx33d> homography;
