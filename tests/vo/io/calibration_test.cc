@@ -590,7 +590,9 @@ TEST(CalibrationTest, WhatCannotBeIsRefused) {
   pose.translation *= 1000.0;
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}),
                  {"c.yaml: a baseline of 110", "millimetres", "Kalibr camchain"});
-  pose.translation *= 1e-9;
+  pose.translation *= 0.1;
+  ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"c.yaml: a baseline of 11", "centimetres?"});
+  pose.translation *= 1e-8;
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"in the same place"});
   pose.translation = Eigen::Vector3d(-1.1e-4, 0.0, 0.0);
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"a baseline of 0.00011"});
