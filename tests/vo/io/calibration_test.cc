@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -598,6 +599,14 @@ TEST(CalibrationTest, WhatCannotBeIsRefused) {
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"a baseline of 0.00011"});
   ExpectContains(ErrorOf(chain(kRightFromLeft.Inverse()), {"c.yaml"}),
                  {"c.yaml", "to the left of the left one", "inverted", "exchanged"});
+}
+
+TEST(CalibrationTest, LineEndsOfOldMacs) {
+  std::string text = Chain("", "  T_cn_cnm1: " + Rows(kRightFromLeft) + "\n");
+  const Files unix_files = {{"c.yaml", text}};
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_EQ(Parse({{"c.yaml", text}}, {"c.yaml"}).rig.baseline(),
+            Parse(unix_files, {"c.yaml"}).rig.baseline());
 }
 
 TEST(CalibrationTest, UnusualRigsAreWarnedOfNotRefused) {
