@@ -345,6 +345,18 @@ TEST_F(DatasetTest, ReadsKitti360) {
   EXPECT_NEAR(dataset.rig.baseline(), 0.6, 1e-12);
 }
 
+TEST_F(DatasetTest, WarnsOfTheFileOfTheCameraThatIsMeant) {
+  const fs::path euroc = MakeEuroc();
+  Replace(euroc / "mav0" / "cam1" / "sensor.yaml", "0.0, -1.0, 0.0", "0.0, -0.99, 0.0");
+  const Dataset dataset = OpenDataset(euroc, {});
+  std::string named;
+  for (const std::string& warning : dataset.warnings) {
+    named += warning.find("the rotation in T_BS") != std::string::npos ? warning : "";
+  }
+  ExpectContains(named, {"cam1/sensor.yaml: the rotation in T_BS"});
+  EXPECT_EQ(named.find("cam0"), std::string::npos) << named;
+}
+
 TEST_F(DatasetTest, SaysWhereTheDataSetIsAndWhatIsNone) {
   const fs::path euroc = MakeEuroc();
   ExpectContains(ErrorOf(folder()), {"did you mean", euroc.string()});
