@@ -364,7 +364,11 @@ TEST_F(DatasetTest, SaysWhereTheDataSetIsAndWhatIsNone) {
   fs::create_directories(folder() / "bags");
   WriteText(folder() / "bags" / "V1.bag", "#ROSBAG V2.0\n");
   ExpectContains(ErrorOf(folder() / "bags" / "V1.bag"), {"V1.bag: a ROS bag, not a folder"});
-  fs::remove_all(euroc);
+  // Two folders below.
+  fs::create_directories(folder() / "all" / "sets");
+  fs::rename(euroc, folder() / "all" / "sets" / "V1");
+  ExpectContains(ErrorOf(folder() / "all"), {"did you mean", "all/sets/V1?"});
+  fs::remove_all(folder() / "all");
   ExpectContains(ErrorOf(folder() / "bags"), {"V1.bag in it is a ROS bag", "extracted"});
   WriteText(folder() / "a.zip", "PK\x03\x04");
   ExpectContains(ErrorOf(folder() / "a.zip"), {"a zip archive, not a folder"});
