@@ -19,6 +19,7 @@
 #include "interruption.h"
 #include "json_text.h"
 #include "match_drawing.h"
+#include "named_extraction.h"
 #include "options/network_options.h"
 #include "pair_list.h"
 #include "progress.h"
@@ -55,10 +56,10 @@ int CountMatches(const nn::Matches& matches) {
 
 void MatchFile(const MatchArguments& arguments) {
   const Interruption interruption;
-  const vo::FeatureReader reader(arguments.inputs[0]);
   CheckOutputsAreNoInputs({arguments.output},
                           {arguments.inputs[0], arguments.pairs, arguments.networks.superpoint,
                            arguments.networks.superglue});
+  const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;
   nn::ThreadPool pool(arguments.threads);
@@ -151,9 +152,9 @@ cv::Mat ReadImage(const fs::path& file, int gray_bits) {
 }
 
 void MatchImages(const MatchArguments& arguments) {
-  if (!arguments.draw.empty()) {
   CheckOutputsAreNoInputs({arguments.draw},
                           {arguments.inputs[0], arguments.inputs[1], arguments.homography});
+  if (!arguments.draw.empty()) {
     CheckPlaceForDrawing(arguments.draw);
   }
   std::optional<cv::Matx33d> homography;
@@ -168,8 +169,8 @@ void MatchImages(const MatchArguments& arguments) {
       vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
   const std::unique_ptr<vo::FeatureExtractor> extractor =
       vo::MakeExtractor(networks, arguments.superpoint, pool);
-  const nn::Features features0 = extractor->Extract(images[0]);
-  const nn::Features features1 = extractor->Extract(images[1]);
+  const nn::Features features0 = ExtractNamed(*extractor, images[0], arguments.inputs[0]);
+  const nn::Features features1 = ExtractNamed(*extractor, images[1], arguments.inputs[1]);
   const nn::Matches matches =
       vo::MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
   const int count = CountMatches(matches);
