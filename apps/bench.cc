@@ -14,6 +14,7 @@
 
 #include "bench_work.h"
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
@@ -125,6 +126,9 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
 void Bench(BenchArguments arguments) {
   ParseSize(arguments.size, arguments.inputs);
   if (!arguments.output.empty()) {
+    CheckOutputsAreNoInputs({arguments.output},
+                            {arguments.inputs.image, arguments.inputs.features,
+                             arguments.networks.superpoint, arguments.networks.superglue});
     nn::CheckPlaceForFile(arguments.output);
   }
   nn::ThreadPool pool(arguments.threads);

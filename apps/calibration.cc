@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/calibration.h"
@@ -114,6 +115,13 @@ void WriteCalibrationFile(const fs::path& path, const std::string& text) {
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << text; });
 }
 
+std::vector<fs::path> FilesToWrite(const CalibrationArguments& arguments) {
+  if (arguments.form != "euroc") {
+    return {arguments.output};
+  }
+  return {arguments.output / "cam0" / "sensor.yaml", arguments.output / "cam1" / "sensor.yaml"};
+}
+
 void WriteCalibration(const CalibrationArguments& arguments, const vo::StereoRig& rig) {
   if (rig.cameras[0].width == 0) {
     throw Error("the size of the images is not in the file: name it with --size WIDTHxHEIGHT");
@@ -122,10 +130,10 @@ void WriteCalibration(const CalibrationArguments& arguments, const vo::StereoRig
     WriteCalibrationFile(arguments.output, vo::KalibrText(rig));
     return;
   }
+  const std::vector<fs::path> files = FilesToWrite(arguments);
   for (std::size_t side = 0; side < 2; ++side) {
-    const fs::path folder = arguments.output / ("cam" + std::to_string(side));
-    vo::MakeOutputDirectory(folder);
-    WriteCalibrationFile(folder / "sensor.yaml", vo::SensorYamlText(rig, side));
+    vo::MakeOutputDirectory(files[side].parent_path());
+    WriteCalibrationFile(files[side], vo::SensorYamlText(rig, side));
   }
 }
 
@@ -135,6 +143,9 @@ void RunCalibration(const CalibrationArguments& arguments) {
   }
   const vo::Calibration calibration =
       vo::ReadCalibration(arguments.files, ParseImageSize(arguments.size));
+  if (!arguments.form.empty()) {
+    CheckOutputsAreNoInputs(FilesToWrite(arguments), calibration.files);
+  }
   PrintCalibration(calibration);
   if (!arguments.form.empty()) {
     WriteCalibration(arguments, calibration.rig);

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "evaluation_json.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
@@ -192,6 +193,8 @@ Inputs ReadInputs(const EvaluateArguments& arguments) {
 
 void Evaluate(const EvaluateArguments& arguments) {
   if (!arguments.plot.empty()) {
+    CheckOutputsAreNoInputs({arguments.plot}, {arguments.estimate, arguments.groundtruth,
+                                               arguments.times, arguments.segments});
     nn::CheckPlaceForFile(arguments.plot);
   }
   Inputs inputs = ReadInputs(arguments);

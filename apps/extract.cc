@@ -8,10 +8,12 @@
 #include <optional>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "interruption.h"
+#include "named_extraction.h"
 #include "options/network_options.h"
 #include "progress.h"
 
@@ -35,14 +37,16 @@ struct Remarks {
   fs::path first_turned;
 };
 
-// Nothing for an image that cannot be read, which is named.
-std::optional<cv::Mat> ReadOrLeaveOut(const fs::path& file, int gray_bits, Remarks& remarks) {
+// Nothing for an image that cannot be read or is too small, which is named.
+std::optional<nn::Features> ExtractOrLeaveOut(const fs::path& file, int gray_bits,
+                                              vo::FeatureExtractor& extractor, Remarks& remarks) {
   try {
     const vo::GrayImage image = vo::ReadGrayImage(file, gray_bits);
+    nn::Features features = ExtractNamed(extractor, image.pixels, file);
     if (image.orientation != 1 && ++remarks.turned == 1) {
       remarks.first_turned = file;
     }
-    return image.pixels;
+    return features;
   } catch (const Error& error) {
     ++remarks.left_out;
     std::cerr << "gluevo: warning: " << error.what() << "; it is left out\n";
@@ -60,6 +64,7 @@ void Report(const Remarks& remarks) {
 
 void Extract(const ExtractArguments& arguments) {
   const Interruption interruption;
+  CheckOutputsAreNoInputs({arguments.output}, {arguments.images, arguments.networks.superpoint});
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);
@@ -75,14 +80,14 @@ void Extract(const ExtractArguments& arguments) {
     for (std::size_t i = 0; i < images.size(); ++i) {
       // A file that lacks images would pass for a whole one: what is done is given up.
       Interruption::Check();
-      const std::optional<cv::Mat> image = ReadOrLeaveOut(images[i], gray_bits, remarks);
-      if (!image) {
+      const std::optional<nn::Features> features =
+          ExtractOrLeaveOut(images[i], gray_bits, *extractor, remarks);
+      if (!features) {
         continue;
       }
-      const nn::Features features = extractor->Extract(*image);
-      writer.Add(images[i].lexically_relative(arguments.images).generic_string(), features);
-      keypoints += static_cast<std::size_t>(features.size());
-      progress.Update(i + 1, std::to_string(features.size()) + " keypoints");
+      writer.Add(images[i].lexically_relative(arguments.images).generic_string(), *features);
+      keypoints += static_cast<std::size_t>(features->size());
+      progress.Update(i + 1, std::to_string(features->size()) + " keypoints");
     }
   }
   Report(remarks);

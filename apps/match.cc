@@ -12,12 +12,14 @@
 #include <sstream>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "interruption.h"
 #include "json_text.h"
 #include "match_drawing.h"
+#include "named_extraction.h"
 #include "options/network_options.h"
 #include "pair_list.h"
 #include "progress.h"
@@ -54,6 +56,9 @@ int CountMatches(const nn::Matches& matches) {
 
 void MatchFile(const MatchArguments& arguments) {
   const Interruption interruption;
+  CheckOutputsAreNoInputs({arguments.output},
+                          {arguments.inputs[0], arguments.pairs, arguments.networks.superpoint,
+                           arguments.networks.superglue});
   const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;
@@ -147,6 +152,8 @@ cv::Mat ReadImage(const fs::path& file, int gray_bits) {
 }
 
 void MatchImages(const MatchArguments& arguments) {
+  CheckOutputsAreNoInputs({arguments.draw},
+                          {arguments.inputs[0], arguments.inputs[1], arguments.homography});
   if (!arguments.draw.empty()) {
     CheckPlaceForDrawing(arguments.draw);
   }
@@ -162,8 +169,8 @@ void MatchImages(const MatchArguments& arguments) {
       vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
   const std::unique_ptr<vo::FeatureExtractor> extractor =
       vo::MakeExtractor(networks, arguments.superpoint, pool);
-  const nn::Features features0 = extractor->Extract(images[0]);
-  const nn::Features features1 = extractor->Extract(images[1]);
+  const nn::Features features0 = ExtractNamed(*extractor, images[0], arguments.inputs[0]);
+  const nn::Features features1 = ExtractNamed(*extractor, images[1], arguments.inputs[1]);
   const nn::Matches matches =
       vo::MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
   const int count = CountMatches(matches);

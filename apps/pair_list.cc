@@ -27,6 +27,12 @@ std::vector<Line> ReadLines(const fs::path& path) {
     throw Error(path.string() + ": cannot be read (--pairs)");
   }
   std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (text.find('\0') != std::string::npos) {
+    const bool is_utf16 =
+        text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.find('\0') < 2;
+    throw Error(path.string() + (is_utf16 ? ": text in UTF-16, expected UTF-8: save it as UTF-8"
+                                          : ": no list of pairs: it holds zero bytes"));
+  }
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) {
     text.erase(0, kByteOrderMark.size());
@@ -94,9 +100,20 @@ class Names {
       const std::size_t slash = rest.find('/');
       rest = slash == std::string_view::npos ? std::string_view() : rest.substr(slash + 1);
     }
-    // Or an image of which the name is the end.
-    const auto [first, last] = ends_.equal_range(name);
-    return first != last && std::next(first) == last ? std::optional(first->second) : std::nullopt;
+    const std::vector<std::string> ending = EndingIn(name);
+    return ending.size() == 1 ? std::optional(ending.front()) : std::nullopt;
+  }
+
+  /// The images of which the listed name is the end: of several none is found.
+  std::vector<std::string> EndingIn(const std::string& listed) const {
+    std::string name = listed;
+    std::replace(name.begin(), name.end(), '\\', '/');
+    const auto [first, last] =
+        ends_.equal_range(fs::path(name).lexically_normal().generic_string());
+    std::vector<std::string> images;
+    std::transform(first, last, std::back_inserter(images),
+                   [](const auto& end) { return end.second; });
+    return images;
   }
 
  private:
@@ -106,8 +123,30 @@ class Names {
 
 using Pair = std::pair<std::string, std::string>;
 
+// What stands between quotes on a line that begins with one.
+std::vector<std::string> QuotedNames(const std::string& text) {
+  std::vector<std::string> names;
+  const std::string line = Trimmed(text);
+  const char quote = line.empty() ? ' ' : line.front();
+  if (quote != '"' && quote != '\'') {
+    return names;
+  }
+  for (std::size_t begin = 0; begin != std::string::npos;) {
+    const std::size_t end = line.find(quote, begin + 1);
+    if (end == std::string::npos) {
+      break;
+    }
+    names.push_back(line.substr(begin + 1, end - begin - 1));
+    begin = line.find(quote, end + 1);
+  }
+  return names;
+}
+
 // The two names of a line as they are listed: of names with blanks, those that have features.
 std::optional<Pair> NamesOfLine(const std::string& text, const Names& names) {
+  if (const std::vector<std::string> quoted = QuotedNames(text); quoted.size() >= 2) {
+    return Pair{quoted[0], quoted[1]};
+  }
   for (const char separator : {'\t', ',', ';'}) {
     const std::vector<std::string> fields = Split(text, separator);
     if (fields.size() >= 2 && !fields[0].empty() && !fields[1].empty() &&
@@ -131,6 +170,13 @@ std::optional<Pair> NamesOfLine(const std::string& text, const Names& names) {
     }
   }
   return Pair{words[0], words[1]};
+}
+
+std::string WhyNotFound(const Names& names, const std::string& name) {
+  const std::vector<std::string> meant = names.EndingIn(name);
+  return meant.size() < 2 ? " has no features"
+                          : " may be " + Quoted(meant[0]) + " or " + Quoted(meant[1]) +
+                                (meant.size() > 2 ? " or another one" : "");
 }
 
 std::string Place(const fs::path& path, const Line& line) {
@@ -164,7 +210,7 @@ PairList ReadPairList(const fs::path& path, const std::vector<std::string>& imag
     const std::optional<std::string> name1 = names.Find(listed->second);
     for (const auto& [found, name] : {std::pair{name0, listed->first}, {name1, listed->second}}) {
       if (!found && missing.insert(name).second && missing.size() == 1) {
-        first_missing = Place(path, line) + ": " + Quoted(name);
+        first_missing = Place(path, line) + ": " + Quoted(name) + WhyNotFound(names, name);
       }
     }
     if (!name0 || !name1) {
@@ -184,11 +230,11 @@ PairList ReadPairList(const fs::path& path, const std::vector<std::string>& imag
     }
   }
   if (!missing.empty()) {
-    throw Error(first_missing + " has no features" +
-                (missing.size() == 1
-                     ? std::string()
-                     : ", nor have " + std::to_string(missing.size() - 1) + " others of the list") +
-                ", or several images may be meant; nothing was matched");
+    throw Error(first_missing +
+                (missing.size() == 1 ? std::string()
+                                     : "; so it is with " + std::to_string(missing.size() - 1) +
+                                           " others of the list") +
+                "; nothing was matched");
   }
   if (list.pairs.empty()) {
     throw Error(path.string() + ": no pairs");

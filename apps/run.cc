@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
@@ -77,6 +78,19 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
       "results/V1_01");
+}
+
+void CheckOutputs(const RunArguments& arguments) {
+  std::vector<fs::path> outputs = OutputFiles(arguments.places);
+  outputs.push_back(arguments.save_matches);
+  std::vector<fs::path> inputs = arguments.frames.calibration;
+  const vo::NetworkFiles& networks = arguments.config.frontend.networks;
+  for (const fs::path& input :
+       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
+        networks.superpoint, networks.superglue}) {
+    inputs.push_back(input);
+  }
+  CheckOutputsAreNoInputs(outputs, inputs);
 }
 
 std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
@@ -163,6 +177,7 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, c
 
 void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
+  CheckOutputs(arguments);
   nn::ThreadPool pool(arguments.config.threads);
   cv::setNumThreads(pool.size());
   Setup setup = SetUp(arguments, command, given, pool);

@@ -61,12 +61,16 @@ void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std:
 
 }  // namespace
 
+std::vector<fs::path> OutputFiles(const RunPlaces& places) {
+  const std::string extension = FormatOf(places).extension;
+  return {places.folder / ("trajectory" + extension), places.folder / ("keyframes" + extension),
+          places.folder / "metrics.json", places.folder / "report.html"};
+}
+
 // The names of what a run puts into its folder may be taken by folders.
 void CheckPlaces(const RunPlaces& places) {
-  const std::string extension = FormatOf(places).extension;
-  for (const std::string& name : {"trajectory" + extension, "keyframes" + extension,
-                                  std::string("metrics.json"), std::string("report.html")}) {
-    nn::CheckPlaceForFile(places.folder / name);
+  for (const fs::path& file : OutputFiles(places)) {
+    nn::CheckPlaceForFile(file);
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "gluevo/vo/io/dataset.h"
 #include "run_frames.h"
@@ -15,6 +16,9 @@ struct RunPlaces {
   std::string trajectory_format = "tum";  ///< tum, euroc or kitti
   std::filesystem::path map;              ///< Empty: none.
 };
+
+/// What a run puts into its folder, the map apart.
+std::vector<std::filesystem::path> OutputFiles(const RunPlaces& places);
 
 /// Throws Error where a file in the folder, which must be there, could not be put in its place.
 void CheckPlaces(const RunPlaces& places);

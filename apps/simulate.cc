@@ -37,6 +37,7 @@ void Simulate(const SimulateArguments& arguments) {
       progress->Update(static_cast<std::size_t>(done), "rendered");
     };
     simulation::SimulationOptions options = arguments.options;
+    options.checkpoint = &Interruption::Check;
     if (pairs) {
       simulation::PairOptions pair_options;
       pair_options.rooms = arguments.rooms;
@@ -45,6 +46,7 @@ void Simulate(const SimulateArguments& arguments) {
       pair_options.height = arguments.height.value_or(pair_options.height);
       pair_options.depth = options.depth;
       pair_options.threads = options.threads;
+      pair_options.checkpoint = options.checkpoint;
       simulation::SimulatePairs(pair_options, arguments.output, show);
     } else {
       options.width = arguments.width.value_or(options.width);

@@ -20,6 +20,15 @@ std::string Text(double value, int digits = 4) {
   return text.str();
 }
 
+// Of a number that is too large for metres: rigs have 5 cm to 1 m, hand-held ones 30 cm at most.
+std::string UnitOfBaseline(double baseline) {
+  constexpr double kShortInMillimetres = 30.0;
+  constexpr double kLongInCentimetres = 100.0;
+  return baseline <= kLongestBaseline || baseline > kLongInCentimetres ? "millimetres"
+         : baseline < kShortInMillimetres                              ? "centimetres"
+                                          : "centimetres or millimetres";
+}
+
 /// Whether the right camera is much more beside the left one than above, below, before or behind.
 bool IsBeside(const Eigen::Vector3d& right_in_left) {
   return std::abs(right_in_left.x()) > right_in_left.tail<2>().norm();
@@ -89,9 +98,10 @@ void StereoRig::Validate(const std::string& what) const {
     throw Error(what + ": both cameras are in the same place, expected a baseline between them");
   }
   if (baseline() > kLongestBaseline || baseline() < kShortestBaseline) {
-    throw Error(what + ": a baseline of " + Text(baseline()) +
-                " m between the cameras, expected 0.001 to 10: lengths are in metres, are these in "
-                "millimetres?");
+    throw Error(
+        what + ": a baseline of " + Text(baseline()) +
+        " m between the cameras, expected 0.001 to 10: lengths are in metres, are these in " +
+        UnitOfBaseline(baseline()) + "?");
   }
   const Eigen::Vector3d right_in_left = RightInLeft();
   if (right_in_left.x() < 0.0 && IsBeside(right_in_left)) {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calibration_forms.h"
+#include "foreign_input.h"
 #include "gluevo/nn/error.h"
 #include "text_file.h"
 #include "xml_file.h"
@@ -177,7 +178,10 @@ CalibrationFile ParseCalibrationFile(fs::path path, std::string text) {
     file.tree = is_xml ? ParseOpenCvXml(file.text.substr(first), file.path)
                        : ParseYaml(file.text, file.path);
   } catch (const Error& error) {
-    file.syntax_error = error.what();
+    const bool is_empty = file.text.find_first_not_of(" \t\r\n\xEF\xBB\xBF") == std::string::npos;
+    const std::string what = is_empty ? "an empty file" : WhatBytesAre(file.text);
+    file.syntax_error =
+        what.empty() ? error.what() : file.path.string() + ": not a calibration: " + what;
   }
   return file;
 }
@@ -218,6 +222,11 @@ Calibration ReadCalibration(const std::vector<fs::path>& files,
       throw Error(path.string() + ": no such file (calibration)");
     }
     input.named.push_back(std::move(*file));
+  }
+  std::error_code ignored;
+  if (files.size() == kMostFiles && fs::equivalent(files[0], files[1], ignored)) {
+    throw Error(files[1].string() +
+                ": the same file twice, expected the calibration of each camera");
   }
   return ParseCalibration(input);
 }

@@ -1,6 +1,7 @@
 // Which file is the other camera's.
 
 #include <algorithm>
+#include <system_error>
 
 #include "calibration_forms.h"
 #include "gluevo/nn/error.h"
@@ -84,10 +85,13 @@ std::array<CalibrationFile, 2> LeftAndRight(const CalibrationInput& input,
       return mate.named_is_left ? std::array{first, *file} : std::array{*file, first};
     }
   }
+  std::error_code ignored;
+  const bool is_there = !mates.empty() && fs::exists(mates.front().path, ignored);
   throw Error(first.path.string() + ": of one camera, and " +
-              (mates.empty() ? "no file of the other one"
-                             : mates.front().path.string() + ", that of the other one,") +
-              " is beside it: name both files");
+              (is_there        ? mates.front().path.string() + " beside it is not the other one's"
+               : mates.empty() ? "no file of the other one is beside it"
+                               : "no " + mates.front().path.string() + " of the other one") +
+              ": name both files");
 }
 
 }  // namespace gluevo::vo

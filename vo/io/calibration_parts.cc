@@ -91,7 +91,7 @@ Rigid3 FromRows(const std::vector<double>& rows, const std::string& key, const f
   std::string rounded;
   const Rigid3 pose = RigidFromRows(rows, key, path, &rounded);
   if (!rounded.empty()) {
-    calibration.warnings.push_back(path.filename().string() + ": " + rounded);
+    calibration.warnings.push_back(path.string() + ": " + rounded);
   }
   return pose;
 }

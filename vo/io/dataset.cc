@@ -40,15 +40,29 @@ bool IsDataset(const fs::path& folder) {
   }
 }
 
+std::vector<fs::path> SortedEntries(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code code;
+  for (auto entry = fs::directory_iterator(folder, code);
+       !code && entry != fs::directory_iterator(); entry.increment(code)) {
+    entries.push_back(entry->path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
 // The data set that was meant, where it lies in the folder that was named, or that one in it.
 std::string DidYouMean(const fs::path& root) {
-  std::vector<fs::path> folders;
-  std::error_code code;
-  for (auto entry = fs::directory_iterator(root, code); !code && entry != fs::directory_iterator();
-       entry.increment(code)) {
-    folders.push_back(entry->path());
+  std::vector<fs::path> folders = SortedEntries(root);
+  const std::size_t below = folders.size();
+  // Collections have a few folders of sequences.
+  constexpr std::size_t kMostSearched = 30;
+  for (std::size_t i = 0; i < std::min(below, kMostSearched); ++i) {
+    const std::vector<fs::path> inner = SortedEntries(folders[i]);
+    folders.insert(
+        folders.end(), inner.begin(),
+        inner.begin() + static_cast<std::ptrdiff_t>(std::min(inner.size(), kMostSearched)));
   }
-  std::sort(folders.begin(), folders.end());
   const fs::path above = FolderPath(root).parent_path();
   folders.push_back(above);
   folders.push_back(above.parent_path());

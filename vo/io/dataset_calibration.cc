@@ -73,12 +73,18 @@ void SetCalibration(const std::vector<fs::path>& files, Dataset& dataset) {
   const Calibration calibration = ReadCalibration(files, FirstImageSize(dataset));
   dataset.rig = calibration.rig;
   dataset.calibration = calibration.files.front();
-  const std::string prefix = dataset.calibration.string() + ": ";
+  // What is of one file of several says so itself.
+  const auto named = [&](const std::string& text) {
+    const bool is_named =
+        std::any_of(calibration.files.begin(), calibration.files.end(),
+                    [&](const fs::path& file) { return text.starts_with(file.string() + ": "); });
+    return (is_named ? "" : dataset.calibration.string() + ": ") + text;
+  };
   for (const std::string& note : calibration.notes) {
-    dataset.notes.push_back(prefix + note);
+    dataset.notes.push_back(named(note));
   }
   for (const std::string& warning : calibration.warnings) {
-    dataset.warnings.push_back(prefix + warning);
+    dataset.warnings.push_back(named(warning));
   }
 }
 

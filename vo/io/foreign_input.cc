@@ -4,10 +4,12 @@
 #include <array>
 #include <cctype>
 #include <fstream>
+#include <optional>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "gluevo/nn/stand_in.h"
 #include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::vo {
@@ -37,6 +39,16 @@ constexpr Kind kKinds[] = {{0, "#ROSBAG"sv, "a ROS bag"},
                            {4, "ftyp"sv, "a video"},
                            {8, "AVI "sv, "a video"},
                            {0, "\x1A\x45\xDF\xA3"sv, "a video"},
+                           {0, "MATLAB 5.0 MAT-file"sv, "a MATLAB file (mat)"},
+                           {0, "MATLAB 7.3 MAT-file"sv, "a MATLAB file (mat)"},
+                           {0, "\x93NUMPY"sv, "a NumPy array (npy)"},
+                           {0, "\x80\x02"sv, "a pickle of Python"},
+                           {0, "\x80\x03"sv, "a pickle of Python"},
+                           {0, "\x80\x04"sv, "a pickle of Python"},
+                           {0, "\x80\x05"sv, "a pickle of Python"},
+                           {0, "%PDF"sv, "a PDF document"},
+                           {0, "\x89PNG"sv, "an image"},
+                           {0, "\xFF\xD8\xFF"sv, "an image"},
                            {0, "\x89HDF"sv, "an HDF5 file"}};
 
 struct Ending {
@@ -44,24 +56,19 @@ struct Ending {
   const char* name;
 };
 
-constexpr Ending kEndings[] = {{".bag", "a ROS bag"},
-                               {".mcap", "a ROS 2 bag (mcap)"},
-                               {".db3", "a ROS 2 bag (db3)"},
-                               {".svo", "a recording of a ZED camera (svo)"},
-                               {".svo2", "a recording of a ZED camera (svo2)"},
-                               {".mp4", "a video"},
-                               {".mov", "a video"},
-                               {".avi", "a video"},
-                               {".mkv", "a video"},
-                               {".webm", "a video"},
-                               {".zip", "a zip archive"},
-                               {".tar", "a tar archive"},
-                               {".gz", "a gzip archive"},
-                               {".tgz", "a gzip archive"},
-                               {".7z", "a 7z archive"},
-                               {".yaml", "a yaml file"},
-                               {".yml", "a yaml file"},
-                               {".txt", "a text file"},
+// Their first bytes are those of what they are packed in.
+constexpr Ending kPackedEndings[] = {{".svo", "a recording of a ZED camera (svo)"},
+                                     {".svo2", "a recording of a ZED camera (svo2)"},
+                                     {".npz", "NumPy arrays (npz)"}};
+
+constexpr Ending kEndings[] = {{".bag", "a ROS bag"},         {".mcap", "a ROS 2 bag (mcap)"},
+                               {".db3", "a ROS 2 bag (db3)"}, {".mp4", "a video"},
+                               {".mov", "a video"},           {".avi", "a video"},
+                               {".mkv", "a video"},           {".webm", "a video"},
+                               {".zip", "a zip archive"},     {".tar", "a tar archive"},
+                               {".gz", "a gzip archive"},     {".tgz", "a gzip archive"},
+                               {".7z", "a 7z archive"},       {".yaml", "a yaml file"},
+                               {".yml", "a yaml file"},       {".txt", "a text file"},
                                {".csv", "a csv file"}};
 
 std::string LowerEnding(const fs::path& file) {
@@ -71,22 +78,38 @@ std::string LowerEnding(const fs::path& file) {
   return ending;
 }
 
+template <std::size_t count>
+std::string NameOfEnding(const Ending (&endings)[count], const fs::path& file) {
+  const std::string ending = LowerEnding(file);
+  for (const Ending& known : endings) {
+    if (ending == known.ending) {
+      return known.name;
+    }
+  }
+  return "";
+}
+
 }  // namespace
+
+std::string WhatBytesAre(std::string_view beginning) {
+  for (const Kind& kind : kKinds) {
+    if (beginning.size() >= kind.offset && beginning.substr(kind.offset).starts_with(kind.bytes)) {
+      return kind.name;
+    }
+  }
+  const std::optional<nn::StandIn> stand_in = nn::FindStandIn(beginning);
+  return stand_in ? std::string(stand_in->what) + " (" + stand_in->advice + ")" : "";
+}
 
 std::string WhatFileIs(const fs::path& file) {
   std::array<char, 512> buffer = {};
   std::ifstream stream(file, std::ios::binary);
   stream.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
   const std::string_view head(buffer.data(), static_cast<std::size_t>(stream.gcount()));
-  for (const Kind& kind : kKinds) {
-    if (head.size() >= kind.offset && head.substr(kind.offset).starts_with(kind.bytes)) {
-      return kind.name;
-    }
-  }
-  const std::string ending = LowerEnding(file);
-  for (const Ending& known : kEndings) {
-    if (ending == known.ending) {
-      return known.name;
+  for (const std::string& name :
+       {NameOfEnding(kPackedEndings, file), WhatBytesAre(head), NameOfEnding(kEndings, file)}) {
+    if (!name.empty()) {
+      return name;
     }
   }
   return HasImageEnding(file) ? "an image" : "a file";

@@ -2,9 +2,14 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 // What people name as a data set that is none.
 namespace gluevo::vo {
+
+/// What the first bytes of a file tell of it that can be neither text nor an image that was asked
+/// for: "a ROS bag", "a NumPy array", "a pointer of Git LFS (fetch ...)", or nothing.
+std::string WhatBytesAre(std::string_view beginning);
 
 /// What a file is, by its first bytes and its ending: "a ROS bag", "a zip archive", "an image", or
 /// "a file".

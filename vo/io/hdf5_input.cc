@@ -20,6 +20,9 @@ int64_t CountOf(const H5Handle& space) {
 H5InputFile::H5InputFile(const std::filesystem::path& path) : path_(path) {
   const H5Session session;
   std::error_code code;
+  if (std::filesystem::is_directory(path, code)) {
+    throw Error(path.string() + ": a folder, expected an HDF5 file");
+  }
   if (!std::filesystem::is_regular_file(path, code)) {
     throw Error(path.string() + ": no such file");
   }

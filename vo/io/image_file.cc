@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "foreign_input.h"
 #include "gluevo/nn/error.h"
 #include "image_bytes.h"
 
@@ -17,6 +18,9 @@ namespace fs = std::filesystem;
 
 ImageBytes ReadBytes(const fs::path& file) {
   std::error_code ignored;
+  if (fs::is_directory(file, ignored)) {
+    throw Error(file.string() + ": a folder, expected an image");
+  }
   if (!fs::is_regular_file(file, ignored)) {
     throw Error(file.string() + (fs::is_symlink(file, ignored)
                                      ? ": no such image: a link to what is not there"
@@ -117,7 +121,10 @@ GrayImage ReadGrayImage(const fs::path& file, int gray_bits) {
     image.pixels = UpperBits(image.pixels, gray_bits);
   }
   if (image.pixels.empty() || image.pixels.type() != CV_8UC1) {
-    throw Error(file.string() + ": not an image, or cut off");
+    const std::string what = WhatBytesAre(
+        {reinterpret_cast<const char*>(bytes.data()), std::min<std::size_t>(bytes.size(), 512)});
+    throw Error(file.string() + ": not an image" +
+                (what.empty() || what == "an image" ? ", or cut off" : ": " + what));
   }
   return image;
 }

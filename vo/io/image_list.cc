@@ -5,6 +5,7 @@
 #include <map>
 #include <system_error>
 
+#include "foreign_input.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/image_file.h"
 
@@ -101,7 +102,9 @@ std::vector<fs::path> ListImagesBelow(const fs::path& folder) {
   if (!IsFolder(folder)) {
     std::error_code ignored;
     throw Error(folder.string() + (fs::exists(folder, ignored)
-                                       ? ": a file, expected a folder of images"
+                                       ? ": " + WhatFileIs(folder) +
+                                             ", expected a folder of images (extract those of a "
+                                             "recording or an archive first)"
                                        : ": no such folder"));
   }
   std::vector<fs::path> images;

@@ -107,9 +107,9 @@ void ReportPairs(const ImagePairs& pairs, bool stamped, Dataset& dataset) {
                                                    Count(right, pairs.all[1], "right images")
                        : left > 0 ? Count(left, pairs.all[0], "left images")
                                   : Count(right, pairs.all[1], "right images");
-    dataset.warnings.push_back(text + (left + right > 1 ? " have" : " has") +
-                               " no mate and are left out (the first is " + first.path.string() +
-                               ")" + HowFarApart(pairs, stamped));
+    dataset.warnings.push_back(
+        text + (left + right > 1 ? " have no mate and are" : " has no mate and is") +
+        " left out (the first is " + first.path.string() + ")" + HowFarApart(pairs, stamped));
   }
   int64_t most = 0;
   for (const ImagePair& pair : pairs.pairs) {

@@ -10,10 +10,17 @@
 namespace gluevo::vo {
 
 void MakeOutputDirectory(const std::filesystem::path& directory) {
+  if (directory.empty()) {
+    throw Error("the folder for output has no name");
+  }
   std::error_code code;
   const auto status = std::filesystem::status(directory, code);
   if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) {
     throw Error(directory.string() + ": is a file; expected a folder for output");
+  }
+  if (!std::filesystem::exists(status) && std::filesystem::is_symlink(directory, code)) {
+    throw Error(directory.string() +
+                ": is a link to what is not there; expected a folder for output");
   }
   std::filesystem::create_directories(directory, code);
   if (code) {

@@ -141,7 +141,11 @@ std::optional<PlainImages> FindPair(const fs::path& root) {
                                  : a.folders[0] < b.folders[0];
       });
   PlainImages found{{ImagesIn(best->folders[0]), ImagesIn(best->folders[1])}, ""};
-  if (candidates.size() > 1) {
+  // Two folders may be a pair in several ways: 0 and 1 of cameras, sides of a name.
+  const bool has_others =
+      std::any_of(candidates.begin(), candidates.end(),
+                  [&](const Candidate& other) { return other.folders != best->folders; });
+  if (has_others) {
     found.note = "taken are the folders " + best->folders[0].filename().string() + " and " +
                  best->folders[1].filename().string() + ", others would do as well";
   }

@@ -57,6 +57,10 @@ YAML::Node ParseYaml(std::string text, const fs::path& path) {
   const bool is_json = text.find_first_not_of(" \t\r\n") != std::string::npos &&
                        text[text.find_first_not_of(" \t\r\n")] == '{';
   std::replace(text.begin(), text.end(), '\t', ' ');
+  // Old Macs end lines with a carriage return alone.
+  if (text.find('\n') == std::string::npos) {
+    std::replace(text.begin(), text.end(), '\r', '\n');
+  }
   for (std::size_t i = text.find(":["); i != std::string::npos; i = text.find(":[", i)) {
     text.insert(i + 1, 1, ' ');
   }

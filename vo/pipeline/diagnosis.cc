@@ -82,7 +82,7 @@ std::optional<std::string> NoContent(const std::vector<StereoLook>& looks) {
                            : "have no texture") +
          ": " + Number(Median(corners[shown])) + " keypoints, brightness " + Number(mean) +
          " of 255, contrast " + Number(Median(contrast[shown])) + " (of frames that were lost)" +
-         (mean < kDark ? "; is the lens covered, or do 16-bit files hold 10 or 12 bits?" : "");
+         (mean < kDark ? "; is the lens covered, or the exposure too short?" : "");
 }
 
 std::optional<std::string> SameImages(const std::vector<StereoLook>& looks) {

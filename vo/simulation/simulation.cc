@@ -166,7 +166,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   const std::vector<Eigen::Vector3d> points = FlightPoints(flight);
   const SimulatedWorld world =
       MakeRoom(Hash(options.seed, kWorldStream), PlanRoom(points, flight.side_margin), points,
-               style, threads);
+               style, threads, {}, options.checkpoint);
   const Renderer renderer(rig, threads);
   const Sensor sensor(options.image);
   std::mutex progress_mutex;
@@ -190,7 +190,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   });
   if (options.correspondences) {
     WriteCorrespondences(mav / "correspondences.h5", renderer, world, Poses(flight, times), stamps,
-                         threads);
+                         threads, options.checkpoint);
   }
   partial.Finish();
 }

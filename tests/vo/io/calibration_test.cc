@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -590,12 +591,22 @@ TEST(CalibrationTest, WhatCannotBeIsRefused) {
   pose.translation *= 1000.0;
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}),
                  {"c.yaml: a baseline of 110", "millimetres", "Kalibr camchain"});
-  pose.translation *= 1e-9;
+  pose.translation *= 0.1;
+  ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"c.yaml: a baseline of 11", "centimetres?"});
+  pose.translation *= 1e-8;
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"in the same place"});
   pose.translation = Eigen::Vector3d(-1.1e-4, 0.0, 0.0);
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"a baseline of 0.00011"});
   ExpectContains(ErrorOf(chain(kRightFromLeft.Inverse()), {"c.yaml"}),
                  {"c.yaml", "to the left of the left one", "inverted", "exchanged"});
+}
+
+TEST(CalibrationTest, LineEndsOfOldMacs) {
+  std::string text = Chain("", "  T_cn_cnm1: " + Rows(kRightFromLeft) + "\n");
+  const Files unix_files = {{"c.yaml", text}};
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  EXPECT_EQ(Parse({{"c.yaml", text}}, {"c.yaml"}).rig.baseline(),
+            Parse(unix_files, {"c.yaml"}).rig.baseline());
 }
 
 TEST(CalibrationTest, UnusualRigsAreWarnedOfNotRefused) {

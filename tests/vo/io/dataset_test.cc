@@ -372,6 +372,18 @@ TEST_F(DatasetTest, ReadsKitti360) {
   EXPECT_NEAR(dataset.rig.baseline(), 0.6, 1e-12);
 }
 
+TEST_F(DatasetTest, WarnsOfTheFileOfTheCameraThatIsMeant) {
+  const fs::path euroc = MakeEuroc();
+  Replace(euroc / "mav0" / "cam1" / "sensor.yaml", "0.0, -1.0, 0.0", "0.0, -0.99, 0.0");
+  const Dataset dataset = OpenDataset(euroc, {});
+  std::string named;
+  for (const std::string& warning : dataset.warnings) {
+    named += warning.find("the rotation in T_BS") != std::string::npos ? warning : "";
+  }
+  ExpectContains(named, {"cam1/sensor.yaml: the rotation in T_BS"});
+  EXPECT_EQ(named.find("cam0"), std::string::npos) << named;
+}
+
 TEST_F(DatasetTest, SaysWhereTheDataSetIsAndWhatIsNone) {
   const fs::path euroc = MakeEuroc();
   ExpectContains(ErrorOf(folder()), {"did you mean", euroc.string()});
@@ -379,7 +391,11 @@ TEST_F(DatasetTest, SaysWhereTheDataSetIsAndWhatIsNone) {
   fs::create_directories(folder() / "bags");
   WriteText(folder() / "bags" / "V1.bag", "#ROSBAG V2.0\n");
   ExpectContains(ErrorOf(folder() / "bags" / "V1.bag"), {"V1.bag: a ROS bag, not a folder"});
-  fs::remove_all(euroc);
+  // Two folders below.
+  fs::create_directories(folder() / "all" / "sets");
+  fs::rename(euroc, folder() / "all" / "sets" / "V1");
+  ExpectContains(ErrorOf(folder() / "all"), {"did you mean", "all/sets/V1?"});
+  fs::remove_all(folder() / "all");
   ExpectContains(ErrorOf(folder() / "bags"), {"V1.bag in it is a ROS bag", "extracted"});
   WriteText(folder() / "a.zip", "PK\x03\x04");
   ExpectContains(ErrorOf(folder() / "a.zip"), {"a zip archive, not a folder"});

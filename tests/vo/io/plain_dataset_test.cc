@@ -331,6 +331,7 @@ TEST_F(PlainDatasetTest, FindsTheFoldersOfTwoCameras) {
                                                         {"camera_l", "camera_r"},
                                                         {"L", "R"},
                                                         {"cam_0", "cam_1"},
+                                                        {"camera_0", "camera_1"},
                                                         {"Camera0", "Camera1"},
                                                         {"cam1", "cam2"},
                                                         {"infra1", "infra2"},
@@ -342,6 +343,7 @@ TEST_F(PlainDatasetTest, FindsTheFoldersOfTwoCameras) {
     ASSERT_EQ(dataset.entries.size(), 2U) << left;
     EXPECT_EQ(dataset.entries[1].images[0], root() / left / "000001.png");
     EXPECT_EQ(dataset.entries[1].images[1], root() / right / "000001.png");
+    EXPECT_EQ(All(dataset.notes).find("others would do"), std::string::npos) << left;
   }
   for (const auto& [left, right] :
        std::vector<std::pair<std::string, std::string>>{{"left_000.png", "right_000.png"},
