@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "evaluation_json.h"
+#include "evaluation_text.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
 #include "json_text.h"
@@ -213,10 +214,10 @@ std::string RunMetrics::Summary(const Context& context) const {
     text << "warning: evaluation: " << context.evaluation_warning << '\n';
   }
   if (const std::optional<vo::Evaluation>& evaluation = context.evaluation; evaluation) {
+    const RpeText rpe = TextOfRpe(*evaluation, 3, 4);
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "
-         << evaluation->ate_sim3_m << " m (Sim3, scale " << evaluation->scale << "); RPE "
-         << std::setprecision(3) << evaluation->rpe_translation_percent << " %, "
-         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; correct motions "
+         << evaluation->ate_sim3_m << " m (Sim3, scale " << TextOfScale(*evaluation, 4) << "); RPE "
+         << rpe.translation << (rpe.is_known ? ", " + rpe.rotation : "") << "; correct motions "
          << evaluation->correct_motions << " of " << evaluation->pairs - 1 << "; coverage "
          << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
   }

@@ -182,6 +182,16 @@ TEST_F(EvaluateTest, WritesNullForWhatIsUndefined) {
   EXPECT_TRUE(json["rpe_translation_percent"].is_null());
 }
 
+TEST_F(EvaluateTest, SaysWhyAFigureIsUndefined) {
+  const std::string still = Write("s.tum", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n");
+  const Outcome outcome = Run("evaluate " + still + " " + still + " --delta 9");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
+  for (const char* const why : {"moves less than 0.5 m", "does not move", "fewer poses"}) {
+    EXPECT_NE(outcome.out.find(why), std::string::npos) << why << '\n' << outcome.out;
+  }
+}
+
 TEST_F(EvaluateTest, DrawsAPlot) {
   const std::string inputs = Write("e.tum", kEstimateTum) + " " + Write("g.tum", kTruthTum);
   const Outcome outcome = Run("evaluate " + inputs + " --plot " + Path("plot.svg"));
