@@ -90,6 +90,9 @@ void LearnedFrontEnd::Advance() {
   } else {
     KeepFrame();
   }
+  if (std::exchange(frames_are_missing_, false)) {
+    frames_since_networks_ = options_.network_every;
+  }
   view_.reset();
   tracks_.clear();
   ways_.reset();

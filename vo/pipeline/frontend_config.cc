@@ -22,30 +22,8 @@ void CheckName(const std::string& value, std::initializer_list<const char*> expe
   throw Error("option " + option + " is " + Quoted(value) + "; expected one of " + names);
 }
 
-}  // namespace
-
-void FrontEndConfig::Validate() const {
-  CheckName(method, {"superglue", "superpoint", "klt"}, "method");
-  CheckName(matcher, {"superglue", "nn"}, "matcher");
-  CheckName(refine, {"none", "subpixel", "lk"}, "refine");
-  CheckName(networks.precision, {"float", "bf16"}, "precision");
-  superpoint.Validate();
-  learned.Validate();
-  stereo.Validate();
-  klt.Validate();
-}
-
-Networks LoadFrontEndNetworks(const FrontEndConfig& config) {
-  if (config.method == "klt") {
-    return {};
-  }
-  return LoadNetworks(config.networks,
-                      config.method == "superglue" && config.matcher == "superglue");
-}
-
-std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const StereoRig& rig,
-                                       const Networks& networks, nn::ThreadPool& pool) {
-  config.Validate();
+std::unique_ptr<FrontEnd> MakeUnguarded(const FrontEndConfig& config, const StereoRig& rig,
+                                        const Networks& networks, nn::ThreadPool& pool) {
   if (config.method == "klt") {
     return std::make_unique<KltFrontEnd>(rig, config.klt);
   }
@@ -63,6 +41,34 @@ std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const Stere
   learned.refine = config.refine == "lk";
   return std::make_unique<LearnedFrontEnd>(rig, std::move(extractor), MakeMatcher(networks, pool),
                                            MakeNearestNeighborMatcher(), learned);
+}
+
+}  // namespace
+
+void FrontEndConfig::Validate() const {
+  CheckName(method, {"superglue", "superpoint", "klt"}, "method");
+  CheckName(matcher, {"superglue", "nn"}, "matcher");
+  CheckName(refine, {"none", "subpixel", "lk"}, "refine");
+  CheckName(networks.precision, {"float", "bf16"}, "precision");
+  superpoint.Validate();
+  learned.Validate();
+  stereo.Validate();
+  klt.Validate();
+  freeze.Validate();
+}
+
+Networks LoadFrontEndNetworks(const FrontEndConfig& config) {
+  if (config.method == "klt") {
+    return {};
+  }
+  return LoadNetworks(config.networks,
+                      config.method == "superglue" && config.matcher == "superglue");
+}
+
+std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const StereoRig& rig,
+                                       const Networks& networks, nn::ThreadPool& pool) {
+  config.Validate();
+  return std::make_unique<FreezeGuard>(MakeUnguarded(config, rig, networks, pool), config.freeze);
 }
 
 }  // namespace gluevo::vo

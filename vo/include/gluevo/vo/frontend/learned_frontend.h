@@ -73,6 +73,7 @@ class LearnedFrontEnd : public FrontEnd {
   /// then matcher and fallback from each key frame, the newest first.
   std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override;
+  void PassOver() override { frames_are_missing_ = true; }
 
  private:
   // A point of the scene as the newest frame sees it.
@@ -139,6 +140,7 @@ class LearnedFrontEnd : public FrontEnd {
   std::map<std::string, double> stages_ms_;
   std::optional<std::deque<Way>> ways_;  // Absent before the first Retry().
   FrameOutcome outcome_;
+  bool frames_are_missing_ = false;  // Between this frame and the next.
 
   // The frames before.
   std::unordered_map<int64_t, TrackedPoint> previous_tracks_;

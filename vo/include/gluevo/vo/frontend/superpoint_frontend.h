@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/frontend/klt_frontend.h"
@@ -38,9 +39,14 @@ class SuperPointFrontEnd final : public FrontEnd {
   SuperPointFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureExtractor> extractor,
                      const SuperPointFrontEndOptions& options);
   TrackedFrame Track(const StereoFrame& frame) override;
+  /// As the baseline does.
+  std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override { klt_.Accept(outcome); }
+  void PassOver() override { klt_.PassOver(); }
 
  private:
+  /// Adds the right views.
+  TrackedFrame MatchRight(TrackedFrame result);
   void Refine(const StereoFrame& images, TrackedFrame& frame) const;
 
   StereoRig rig_;
@@ -48,6 +54,7 @@ class SuperPointFrontEnd final : public FrontEnd {
   std::unique_ptr<FeatureExtractor> extractor_;
   SuperPointFrontEndOptions options_;
   KltFrontEnd klt_;
+  StereoFrame frame_;  // The newest.
 };
 
 }  // namespace gluevo::vo

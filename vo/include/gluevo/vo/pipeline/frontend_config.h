@@ -5,6 +5,7 @@
 
 #include "gluevo/nn/superpoint.h"
 #include "gluevo/nn/thread_pool.h"
+#include "gluevo/vo/frontend/freeze_guard.h"
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/frontend/klt_frontend.h"
 #include "gluevo/vo/frontend/learned_frontend.h"
@@ -29,6 +30,8 @@ struct FrontEndConfig {
   /// Its klt, refine and max_epipolar_error_px are the others'.
   SuperPointFrontEndOptions stereo;
   KltOptions klt;
+  /// Which images are taken for the ones before, given again.
+  FreezeGuardOptions freeze;
 
   /// Throws Error naming the option.
   void Validate() const;
