@@ -41,6 +41,20 @@ double PeakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
+// The numbers of the frames whose poses are to be taken with care.
+void AddMarkedFrames(const std::vector<vo::FrameResult>& frames, Json& json) {
+  for (const auto& [key, flag] : {std::pair{"frames_predicted", &vo::FrameResult::is_predicted},
+                                  std::pair{"frames_doubtful", &vo::FrameResult::is_doubtful},
+                                  std::pair{"frames_left_only", &vo::FrameResult::is_left_only}}) {
+    json[key] = Json::array();
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (frames[i].*flag) {
+        json[key].push_back(i);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void RunMetrics::StartFrame() {
@@ -125,12 +139,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   for (const LeftOut& left_out : left_out_) {
     json["frames_left_out"].push_back({{"frame", left_out.frame}, {"why", left_out.why}});
   }
-  json["frames_predicted"] = Json::array();
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    if (frames_[i].is_predicted) {
-      json["frames_predicted"].push_back(i);
-    }
-  }
+  AddMarkedFrames(frames_, json);
   json["frames_with_pose"] = frames_.size();
   json["keyframes"] = std::count_if(frames_.begin(), frames_.end(),
                                     [](const vo::FrameResult& frame) { return frame.is_keyframe; });
@@ -161,7 +170,8 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["matches_per_frame"] = {{"found", MedianMatches(&vo::FrameResult::matched)},
                                {"tracked", MedianMatches(&vo::FrameResult::tracked)},
                                {"fit", MedianMatches(&vo::FrameResult::inliers)},
-                               {"stereo", MedianMatches(&vo::FrameResult::stereo)}};
+                               {"stereo", MedianMatches(&vo::FrameResult::stereo)},
+                               {"moving", MedianMatches(&vo::FrameResult::moving)}};
   json["peak_memory_mb"] = PeakMemoryMb();
   json["isa"] = nn::IsaName(nn::ChooseIsa());
   json["threads"] = context.threads;

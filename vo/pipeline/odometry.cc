@@ -51,14 +51,16 @@ Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
       rig_(rig),
       frontend_(MakeFrontEnd(config.frontend, rig, LoadFrontEndNetworks(config.frontend), *pool_)),
       options_(config.odometry),
-      window_(std::make_unique<SlidingWindow>(rig, options_.window)) {}
+      window_(std::make_unique<SlidingWindow>(rig, options_.window)),
+      votes_(options_.votes) {}
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
                    const OdometryOptions& options)
     : rig_(rig),
       frontend_(std::move(frontend)),
       options_(options),
-      window_(std::make_unique<SlidingWindow>(rig, options.window)) {
+      window_(std::make_unique<SlidingWindow>(rig, options.window)),
+      votes_(options.votes) {
   options_.Validate();
 }
 
@@ -72,6 +74,7 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   options_ = other.options_;
   window_ = std::move(other.window_);
   history_ = other.history_;
+  votes_ = std::move(other.votes_);
   last_timestamp_ns_ = other.last_timestamp_ns_;
   segment_ = other.segment_;
   passed_over_ = other.passed_over_;
@@ -103,7 +106,11 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     timer.End("estimator");
     return result;
   }
-  const bool is_linked = pose && Estimate(tracked, *pose);
+  TrackedFrame at_rest = tracked;
+  if (pose) {
+    Judge(at_rest, *pose, result);
+  }
+  const bool is_linked = pose && Estimate(at_rest, *pose);
   if (!is_linked) {
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
@@ -129,13 +136,12 @@ void Odometry::CheckTime(int64_t timestamp_ns) const {
 }
 
 bool Odometry::MayPassOver(const TrackedFrame& frame) const {
-  if (!history_.last() || CountStereo(frame) >= options_.min_stereo) {
+  if (!history_.last()) {
     return false;
   }
-  // A segment that has seen nothing so far needs no other one to see nothing in.
   const double seconds =
       static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
-  return window_->CountLandmarks() == 0 || seconds <= options_.max_predicted_s;
+  return CountStereo(frame) < options_.min_stereo || seconds <= options_.max_predicted_s;
 }
 
 void Odometry::PassOver(FrameResult& result) {
@@ -167,13 +173,20 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
   if (window_->empty()) {
     return std::nullopt;
   }
-  const std::vector<SlidingWindow::Correspondence> correspondences =
+  std::vector<SlidingWindow::Correspondence> correspondences =
       window_->Correspond(frame, FromReferencePx(options_.pnp.noise_px));
+  std::erase_if(correspondences, [&](const SlidingWindow::Correspondence& correspondence) {
+    return votes_.Moves(frame.observations[correspondence.observation].track_id);
+  });
   std::vector<PnpObservation> observations;
+  std::vector<const Observation*> seen;
   observations.reserve(correspondences.size());
+  seen.reserve(correspondences.size());
   for (const SlidingWindow::Correspondence& correspondence : correspondences) {
     observations.push_back(correspondence.pnp);
+    seen.push_back(&frame.observations[correspondence.observation]);
   }
+  votes_.Assign(seen, rig_.cameras[0].width, observations);
   result.tracked = static_cast<int>(observations.size());
   std::vector<Rigid3> guesses = history_.Guesses();
   if (passed_over_ > 0) {
@@ -188,12 +201,32 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
     result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
     return std::nullopt;
   }
+  result.is_doubtful = pnp->vote_share < options_.votes.doubtful_share;
   FramePose pose{pnp->world_from_body, pnp->inliers, {}};
   pose.verdicts.resize(frame.observations.size());
   for (std::size_t i = 0; i < correspondences.size(); ++i) {
     pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
   }
   return pose;
+}
+
+void Odometry::Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result) {
+  votes_.Learn(tracked, pose.verdicts);
+  TrackedFrame kept{tracked.timestamp_ns, {}, {}};
+  std::vector<std::optional<PnpVerdict>> verdicts;
+  kept.observations.reserve(tracked.observations.size());
+  verdicts.reserve(tracked.observations.size());
+  for (std::size_t i = 0; i < tracked.observations.size(); ++i) {
+    if (votes_.Moves(tracked.observations[i].track_id)) {
+      ++result.moving;
+    } else {
+      kept.observations.push_back(tracked.observations[i]);
+      verdicts.push_back(pose.verdicts[i]);
+    }
+  }
+  result.is_left_only = CountStereo(kept) < options_.min_stereo;
+  tracked = std::move(kept);
+  pose.verdicts = std::move(verdicts);
 }
 
 bool Odometry::Estimate(const TrackedFrame& tracked, const FramePose& pose) {
@@ -214,6 +247,7 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
         passed_over_ > 0 ? history_.Predict(frame.timestamp_ns) : history_.last()->world_from_body;
     ++segment_;
   }
+  votes_.Clear();
   *window_ = SlidingWindow(rig_, options_.window);
   return pose;
 }

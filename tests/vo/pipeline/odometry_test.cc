@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <numbers>
+#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -213,7 +215,7 @@ TEST(Odometry, PassesOverFramesThatShowNothing) {
   }
 }
 
-TEST(Odometry, ALongTimeInTheDarkIsABreakAndNotOneAFrame) {
+TEST(Odometry, ALongTimeInTheDarkEndsWithWhatIsSeenAgain) {
   const auto truth = Flight(80);
   auto frames = Observe(truth, {.noise_px = 0.5});
   for (int i = 0; i < 3; ++i) {  // At the start, too.
@@ -225,13 +227,105 @@ TEST(Odometry, ALongTimeInTheDarkIsABreakAndNotOneAFrame) {
   const auto results = RunOdometry(frames);
   EXPECT_EQ(results[2].segment, 0);
   EXPECT_EQ(results[3].segment, 1);
-  EXPECT_EQ(results[39].segment, 1);
-  EXPECT_TRUE(results[39].is_predicted);
-  EXPECT_EQ(results[40].segment, 2);  // 1.1 s after the last one that was located.
-  EXPECT_EQ(results[49].segment, 2);
-  EXPECT_EQ(results[50].segment, 3);
-  EXPECT_EQ(results[79].segment, 3);
-  EXPECT_LT(MotionErrors(results, truth, 50, 79).position_m, 0.1);
+  for (int i = 30; i < 50; ++i) {
+    EXPECT_TRUE(results[i].is_predicted) << i;
+  }
+  EXPECT_FALSE(results[50].is_predicted);
+  EXPECT_EQ(results[79].segment, 1);
+  EXPECT_LT(MotionErrors(results, truth, 3, 29).position_m, 0.1);
+  EXPECT_LT(MotionErrors(results, truth, 3, 79).position_m, 0.15);
+  // Where nothing is seen again the first frame that shows something starts a segment.
+  for (int i = 50; i < 80; ++i) {
+    for (Observation& observation : frames[i].observations) {
+      observation.track_id += 100'000;
+    }
+  }
+  const auto lost = RunOdometry(frames);
+  EXPECT_EQ(lost[49].segment, 1);
+  EXPECT_EQ(lost[50].segment, 2);
+  EXPECT_EQ(lost[79].segment, 2);
+}
+
+TEST(Odometry, WaitsForWhatItKnowsAsLongAsItIsTold) {
+  const auto truth = Flight(40);
+  auto frames = Observe(truth, {.noise_px = 0.5});
+  for (int i = 20; i < 24; ++i) {
+    for (Observation& observation : frames[i].observations) {
+      observation.track_id += 100'000 * i;
+    }
+  }
+  OdometryOptions options;
+  options.max_predicted_s = 0.45;
+  const auto waited = RunOdometry(frames, options);
+  EXPECT_TRUE(waited[23].is_predicted);
+  EXPECT_FALSE(waited[24].is_predicted);
+  EXPECT_EQ(waited[39].segment, 0);
+  options.max_predicted_s = 0.25;
+  const auto impatient = RunOdometry(frames, options);
+  EXPECT_TRUE(impatient[21].is_predicted);
+  EXPECT_EQ(impatient[22].segment, 1);
+}
+
+TEST(Odometry, GoesOnByTheLeftCameraAlone) {
+  const auto truth = Flight(60);
+  auto frames = Observe(truth, {.noise_px = 0.5});
+  for (int i = 20; i < 40; ++i) {
+    for (Observation& observation : frames[i].observations) {
+      observation.has_right = false;
+    }
+  }
+  const auto results = RunOdometry(frames);
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].is_left_only, i >= 20 && i < 40) << i;
+    EXPECT_FALSE(results[i].is_predicted) << i;
+    EXPECT_EQ(results[i].segment, 0) << i;
+  }
+  EXPECT_LT(MotionErrors(results, truth, 0, 59).position_m, 0.15);
+}
+
+// A van that passes from left to right, 2 m away, for 5 s, with more points than all else has.
+std::vector<TrackedFrame> WithVan(std::vector<TrackedFrame> frames,
+                                  const std::vector<Rigid3>& truth, std::size_t first) {
+  constexpr int64_t kVanTracks = 1'000'000;
+  std::mt19937_64 generator(5);
+  std::vector<Eigen::Vector3d> van(300);
+  for (Eigen::Vector3d& point : van) {
+    point = Eigen::Vector3d(2.5, 0.0, 0.0) + testing::UniformVector(generator, 0.9);
+  }
+  for (std::size_t i = first; i < frames.size(); ++i) {
+    const double y = 4.0 - 0.16 * static_cast<double>(i - first);
+    std::vector<Eigen::Vector3d> points;
+    points.reserve(van.size());
+    for (const Eigen::Vector3d& point : van) {
+      points.push_back(truth[i] * Eigen::Vector3d(point + Eigen::Vector3d(0.0, y, 0.0)));
+    }
+    const TrackedFrame seen =
+        testing::Simulate(testing::SimulatedRig(), points, truth[i], frames[i].timestamp_ns,
+                          {.noise_px = 0.5, .max_observations = 300}, kVanTracks);
+    frames[i].observations.insert(frames[i].observations.end(), seen.observations.begin(),
+                                  seen.observations.end());
+  }
+  return frames;
+}
+
+TEST(Odometry, AVanWithMoreThanHalfOfThePointsDoesNotTakeThePoseWithIt) {
+  const auto truth = Flight(80);
+  const auto frames = WithVan(Observe(truth, {.noise_px = 0.5}), truth, 15);
+  const auto results = RunOdometry(frames);
+  int most = 0;
+  for (std::size_t i = 1; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].segment, 0) << i;
+    EXPECT_LT(MotionErrors(results, truth, i - 1, i).position_m, 0.05) << i;
+    most = std::max(most, results[i].moving);
+  }
+  EXPECT_LT(MotionErrors(results, truth, 0, 79).position_m, 0.15);
+  EXPECT_GT(most, 200);
+  // The van is what is kept out, and what it takes to know it is its past.
+  OdometryOptions one_point_one_vote;
+  one_point_one_vote.votes.new_vote = 1.0;
+  one_point_one_vote.votes.strikes = 0;
+  const auto taken_along = RunOdometry(frames, one_point_one_vote);
+  EXPECT_GT(MotionErrors(taken_along, truth, 0, 79).position_m, 1.0);
 }
 
 TEST(Odometry, SaysWhatItSawInFramesThatItLost) {

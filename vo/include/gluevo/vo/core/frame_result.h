@@ -21,11 +21,17 @@ struct FrameResult {
   /// The frame shows nothing by which it could be located: its pose is guessed from the motion
   /// before, and the frames after it are matched with those before it.
   bool is_predicted = false;
+  /// Whether less than half of what has a say (see VoteOptions) agrees with the pose: it may be
+  /// that of something that moves through the scene.
+  bool is_doubtful = false;
+  /// Whether it was located with next to nothing in the right image: by the left one alone.
+  bool is_left_only = false;
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).
   int stereo = 0;        ///< Of these, seen by both cameras.
   int inliers = 0;       ///< Known points that agree with the pose.
+  int moving = 0;        ///< Tracks that are kept out since they move by themselves.
   /// Of a pose that was found but not taken since nothing moves so fast; 0 where there was none.
   double refused_speed_m_per_s = 0.0;
   int landmarks = 0;                        ///< Landmarks with a depth in the window.

@@ -13,6 +13,7 @@
 #include "gluevo/vo/geometry/stereo_rig.h"
 #include "gluevo/vo/pipeline/motion_history.h"
 #include "gluevo/vo/pipeline/odometry_config.h"
+#include "gluevo/vo/pipeline/track_votes.h"
 
 namespace gluevo::vo {
 
@@ -50,6 +51,8 @@ class Odometry {
   bool Retry(TrackedFrame& tracked);
   /// Also says in `result` what it was located by.
   std::optional<FramePose> Locate(const TrackedFrame& frame, FrameResult& result) const;
+  /// What the votes say of the frame's tracks, and what is left for the estimate.
+  void Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result);
   /// Whether a frame that cannot be located is no reason to give up what is known.
   bool MayPassOver(const TrackedFrame& frame) const;
   void PassOver(FrameResult& result);
@@ -67,6 +70,7 @@ class Odometry {
   OdometryOptions options_;
   std::unique_ptr<SlidingWindow> window_;  // Never absent.
   MotionHistory history_;
+  TrackVotes votes_;
   std::optional<int64_t> last_timestamp_ns_;  // Of frames that were passed over, too.
   int segment_ = 0;
   int passed_over_ = 0;  // Frames since the last one that was not.
