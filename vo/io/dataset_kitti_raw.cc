@@ -117,6 +117,18 @@ StereoRig ReadRig(const KittiCalibration& calibration, const Cameras& cameras,
               calibration.path().string());
 }
 
+// Up to the first row that has none.
+std::vector<int64_t> FrameTimes(const std::vector<std::optional<int64_t>>& rows) {
+  std::vector<int64_t> times_ns;
+  for (const std::optional<int64_t>& time : rows) {
+    if (!time) {
+      break;
+    }
+    times_ns.push_back(*time);
+  }
+  return times_ns;
+}
+
 }  // namespace
 
 bool IsKittiRaw(const fs::path& root) {
@@ -148,7 +160,7 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
                                          fs::path("calibration") / "perspective.txt"});
   dataset.rig = ReadRig(KittiCalibration(dataset.calibration), cameras,
                         pairs.front().images[0].path, FirstImageSize(dataset));
-  AddGroundtruth(options, {}, {}, dataset);
+  AddGroundtruth(options, {}, {{}, FrameTimes(times)}, dataset);
   return dataset;
 }
 

@@ -10,11 +10,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void SetTimes(const fs::path& path, const Dataset& dataset,
-              const std::vector<int64_t>& row_times_ns, TrajectoryFile& file) {
-  std::vector<int64_t> times_ns = row_times_ns;
-  for (std::size_t i = 0; row_times_ns.empty() && i < dataset.entries.size(); ++i) {
-    times_ns.push_back(dataset.entries[i].timestamp_ns);
+std::vector<int64_t> TimesOf(const Dataset& dataset) {
+  std::vector<int64_t> times_ns;
+  times_ns.reserve(dataset.entries.size());
+  for (const Dataset::Entry& entry : dataset.entries) {
+    times_ns.push_back(entry.timestamp_ns);
+  }
+  return times_ns;
+}
+
+void SetFrameTimes(const fs::path& path, const std::vector<int64_t>& times_ns,
+                   TrajectoryFile& file) {
+  SetRowTimes(times_ns, file);
+  if (file.poses.empty()) {
+    throw Error(path.string() + ": no pose of the data set's frames 0 to " +
+                std::to_string(times_ns.size() - 1) + ": its rows are of other ones");
+  }
+  constexpr const char* kNameOfBody = "poses.txt";
+  file.notes.emplace_back("the rows' first numbers are taken as those of frames");
+  if (path.filename() == kNameOfBody) {
+    file.notes.emplace_back(
+        "KITTI-360's poses.txt is of the GPS unit; the left camera's path is cam0_to_world.txt");
+  }
+}
+
+void SetTimes(const fs::path& path, const Dataset& dataset, const RowTimes& known,
+              TrajectoryFile& file) {
+  const std::vector<int64_t>& row_times_ns = known.rows_ns;
+  const std::vector<int64_t> times_ns = row_times_ns.empty() ? TimesOf(dataset) : row_times_ns;
+  if (file.is_numbered) {
+    SetFrameTimes(path, known.frames_ns.empty() ? times_ns : known.frames_ns, file);
+    return;
   }
   const std::string counts = std::to_string(file.rows) + " poses for " +
                              std::to_string(times_ns.size()) +
@@ -29,10 +55,10 @@ void SetTimes(const fs::path& path, const Dataset& dataset,
   SetRowTimes(times_ns, file);
 }
 
-Trajectory Read(const fs::path& path, const std::vector<int64_t>& row_times_ns, Dataset& dataset) {
+Trajectory Read(const fs::path& path, const RowTimes& times, Dataset& dataset) {
   TrajectoryFile file = ReadTrajectoryFile(path);
   if (file.format == TrajectoryFormat::kKitti) {
-    SetTimes(path, dataset, row_times_ns, file);
+    SetTimes(path, dataset, times, file);
   }
   for (const std::string& note : file.notes) {
     dataset.warnings.push_back("ground truth " + path.string() + ": " + note);
@@ -43,9 +69,9 @@ Trajectory Read(const fs::path& path, const std::vector<int64_t>& row_times_ns, 
 }  // namespace
 
 void AddGroundtruth(const DatasetOptions& options, const std::vector<fs::path>& candidates,
-                    const std::vector<int64_t>& row_times_ns, Dataset& dataset) {
+                    const RowTimes& times, Dataset& dataset) {
   if (options.groundtruth) {
-    dataset.groundtruth = Read(*options.groundtruth, row_times_ns, dataset);
+    dataset.groundtruth = Read(*options.groundtruth, times, dataset);
     return;
   }
   const auto found = std::find_if(candidates.begin(), candidates.end(),
@@ -54,7 +80,7 @@ void AddGroundtruth(const DatasetOptions& options, const std::vector<fs::path>& 
     return;
   }
   try {
-    dataset.groundtruth = Read(*found, row_times_ns, dataset);
+    dataset.groundtruth = Read(*found, times, dataset);
   } catch (const Error& error) {
     dataset.warnings.push_back(std::string("the data set's ground truth is not used: ") +
                                error.what());

@@ -8,6 +8,7 @@
 #include "gluevo/vo/io/image_file.h"
 #include "image_names.h"
 #include "name_parts.h"
+#include "text_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -56,9 +57,7 @@ std::optional<Side> SideByWord(const std::string& name) {
     return std::nullopt;
   }
   side.side = *found;
-  for (char& c : side.rest) {
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
+  side.rest = Lowercase(side.rest);
   return side;
 }
 

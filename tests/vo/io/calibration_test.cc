@@ -14,6 +14,7 @@
 
 #include "calibration_forms.h"
 #include "gluevo/nn/error.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -103,17 +104,6 @@ Calibration Parse(const Files& files, const std::vector<std::string>& named,
   input.open = [&](const fs::path& path) { return OpenIn(files, path); };
   input.image_size = size;
   return ParseCalibration(input);
-}
-
-std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  return "no error";
 }
 
 std::string ErrorOf(const Files& files, const std::vector<std::string>& named,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -51,16 +52,6 @@ class DatasetTest : public testing::Test {
   /// The message of the Error that opening throws, which must be one line.
   static std::string ErrorOf(const fs::path& path, const DatasetOptions& options = {}) {
     return MessageOf([&] { OpenDataset(path, options); });
-  }
-  static std::string MessageOf(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const Error& error) {
-      const std::string message = error.what();
-      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-      return message;
-    }
-    return "no error";
   }
   static void ExpectContains(const std::string& message, const std::vector<std::string>& parts) {
     for (const std::string& part : parts) {
@@ -370,6 +361,21 @@ TEST_F(DatasetTest, ReadsKitti360) {
   ASSERT_EQ(dataset.entries.size(), 2U);
   EXPECT_EQ(dataset.entries[1].timestamp_ns, 103000000);
   EXPECT_NEAR(dataset.rig.baseline(), 0.6, 1e-12);
+
+  // Its own poses are numbered, and not of every frame.
+  const fs::path poses = folder() / "kitti_360" / "data_poses" / "drive_sync" / "poses.txt";
+  WriteText(poses, "1 1 0 0 5 0 1 0 6 0 0 1 7\n");
+  const Dataset with_truth = OpenDataset(drive, {.groundtruth = poses});
+  ASSERT_TRUE(with_truth.groundtruth.has_value());
+  ASSERT_EQ(with_truth.groundtruth->size(), 1U);
+  EXPECT_EQ(with_truth.groundtruth->front().timestamp_ns, 103000000);
+  ExpectContains(with_truth.warnings.back(), {"cam0_to_world.txt"});
+  EXPECT_EQ(ReadTrajectory(poses).front().timestamp_ns, 103000000);
+  WriteText(poses, "2 1 0 0 5 0 1 0 6 0 0 1 7\n");
+  ExpectContains(MessageOf([&] { ReadTrajectory(poses); }),
+                 {"poses.txt", "frame 2", "times of 2 frames"});
+  ExpectContains(ErrorOf(drive, {.groundtruth = poses}),
+                 {"no pose of the data set's frames 0 to 1"});
 }
 
 TEST_F(DatasetTest, WarnsOfTheFileOfTheCameraThatIsMeant) {

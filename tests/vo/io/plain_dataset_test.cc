@@ -10,6 +10,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/dataset.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -68,12 +69,7 @@ class PlainDatasetTest : public testing::Test {
     return TimesOf(Open());
   }
   std::string ErrorOf(const DatasetOptions& options = {}) const {
-    try {
-      Open(options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+    return MessageOf([&] { Open(options); });
   }
   static std::string All(const std::vector<std::string>& sentences) {
     std::string all;

@@ -242,5 +242,34 @@ TEST(TrajectoryFormsTest, MatricesMayHaveTheirLastRow) {
   EXPECT_EQ(Parse("1,0,0,5,0,1,0,6,0,0,1,7\n").format, TrajectoryFormat::kKitti);
 }
 
+constexpr const char* kMatrix = " 0.28 -0.96 0 1 0.96 0.28 0 2 0 0 1 3";
+
+TEST(TrajectoryFormsTest, MatricesStandBehindNumbersOfFrames) {
+  for (const std::string rest : {"", " 0 0 0 1"}) {
+    const TrajectoryFile file = Parse("2" + (kMatrix + rest) + "\n7" + (kMatrix + rest) + "\n");
+    EXPECT_EQ(file.format, TrajectoryFormat::kKitti);
+    EXPECT_TRUE(file.is_numbered);
+    ASSERT_EQ(file.poses.size(), 2U);
+    ExpectPose(file, 2'000'000'000);
+    EXPECT_EQ(file.poses[1].timestamp_ns, 7'000'000'000);
+  }
+}
+
+TEST(TrajectoryFormsTest, MatricesStandBehindTimes) {
+  for (const std::string time : {"1403715273.262142976", "1403715273262142976"}) {
+    const TrajectoryFile file = Parse(time + kMatrix + "\n");
+    EXPECT_EQ(file.format, TrajectoryFormat::kTum);
+    EXPECT_FALSE(file.is_numbered);
+    ExpectPose(file, kTime);
+  }
+}
+
+TEST(TrajectoryFormsTest, NumberedRowsTakeTheTimesOfTheirFrames) {
+  TrajectoryFile file = Parse("1" + std::string(kMatrix) + "\n3" + kMatrix + "\n");
+  SetRowTimes({10, 20, 30}, file);
+  ASSERT_EQ(file.poses.size(), 1U);
+  ExpectPose(file, 20);
+}
+
 }  // namespace
 }  // namespace gluevo::vo
