@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/trajectory_file.h"
 #include "message_of.h"
 #include "temporary_folder.h"
 
