@@ -27,6 +27,10 @@ void SlidingWindowOptions::Validate() const {
   CheckPositive(noise_px, "window.noise_px");
   CheckPositive(huber, "window.huber");
   CheckAtLeast(max_iterations, 1, "window.max_iterations");
+  CheckWithin(least_decrease, 0.0, 1.0, "window.least_decrease");
+  if (solver != "gluevo" && solver != "ceres") {
+    throw Error("option window.solver is " + Quoted(solver) + "; expected gluevo or ceres");
+  }
   CheckPositive(max_mean_error_px, "window.max_mean_error_px");
   CheckPositive(keyframe_parallax_px, "window.keyframe_parallax_px");
   CheckAtLeast(min_tracked, 0, "window.min_tracked");

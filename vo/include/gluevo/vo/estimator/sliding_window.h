@@ -19,6 +19,8 @@
 
 namespace gluevo::vo {
 
+struct WindowProblem;
+
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
 /// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
 /// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
@@ -86,7 +88,6 @@ class SlidingWindow {
   };
   using Landmarks = std::map<int64_t, Landmark>;
   struct Linearization;
-  class Adjustment;
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {
@@ -103,6 +104,11 @@ class SlidingWindow {
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
+  /// The bundle adjustment of what is in the window, and what came out of it.
+  WindowProblem MakeProblem() const;
+  static bool IsAdjusted(const Landmark& landmark);
+  void AddToProblem(const Landmark& landmark, WindowProblem& problem) const;
+  void TakeOver(const WindowProblem& problem);
   /// Puts into the prior what the landmarks say that are anchored in the oldest frame and no longer
   /// tracked, and removes them. Those that are tracked on keep their other views and so must not
   /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
