@@ -14,11 +14,15 @@
 
 #include "bench_work.h"
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
+#include "gluevo/nn/output_file.h"
 #include "gluevo/nn/peak_share.h"
 #include "gluevo/nn/random_weights.h"
+#include "json_text.h"
 #include "options/network_options.h"
+#include "standard_streams.h"
 
 namespace gluevo::apps {
 namespace {
@@ -75,7 +79,8 @@ void RunOnRequest(const BenchWork& work) {
     const auto start = std::chrono::steady_clock::now();
     work.run();
     const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - start;
-    std::cout << time.count() << std::endl;
+    std::cout << time.count() << '\n';
+    CheckStandardOutput();
   }
 }
 
@@ -109,7 +114,7 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
     json["precision"] = PrecisionOf(arguments) == nn::Precision::kBf16 ? "bf16" : "float";
     json["isa"] = isa;
     json["threads"] = threads;
-    std::cout << json.dump(2) << '\n';
+    std::cout << JsonText(json);
   } else {
     std::cout << arguments.network << ", " << isa << ", " << threads << " threads: median "
               << median_ms << " ms, least " << times.front() << " ms, " << std::lround(gflops)
@@ -120,6 +125,12 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
 
 void Bench(BenchArguments arguments) {
   ParseSize(arguments.size, arguments.inputs);
+  if (!arguments.output.empty()) {
+    CheckOutputsAreNoInputs({arguments.output},
+                            {arguments.inputs.image, arguments.inputs.features,
+                             arguments.networks.superpoint, arguments.networks.superglue});
+    nn::CheckPlaceForFile(arguments.output);
+  }
   nn::ThreadPool pool(arguments.threads);
   nn::Workspace workspace(pool);
   const vo::Networks networks = MakeNetworks(arguments);

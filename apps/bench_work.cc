@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
-#include "image_files.h"
+#include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::apps {
 namespace {
@@ -109,8 +109,8 @@ FeaturePair ReadFeaturePair(const std::filesystem::path& path) {
 
 BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointOptions& options,
                              const BenchInputs& inputs, nn::Workspace& workspace) {
-  const cv::Mat image =
-      inputs.image.empty() ? Noise(inputs.width, inputs.height) : ReadGrayImage(inputs.image);
+  const cv::Mat image = inputs.image.empty() ? Noise(inputs.width, inputs.height)
+                                             : vo::ReadGrayImage(inputs.image).pixels;
   const auto extract = [=, &workspace](nn::Features& features) {
     networks.superpoint->Extract(
         {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)}, options,

@@ -6,6 +6,8 @@
 namespace gluevo::apps {
 
 void AddBenchCommand(CLI::App& app);
+void AddCalibrationCommand(CLI::App& app);
+void AddDoctorCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExperimentCommand(CLI::App& app);
 void AddExtractCommand(CLI::App& app);

@@ -1,6 +1,7 @@
 // gluevo evaluate: how far an estimated trajectory is from ground truth.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iomanip>
 #include <iostream>
@@ -12,11 +13,15 @@
 #include <vector>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "evaluation_json.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
+#include "gluevo/vo/evaluation/time_scale.h"
 #include "gluevo/vo/io/trajectory_file.h"
+#include "json_text.h"
 #include "segments_file.h"
 #include "trajectory_lines.h"
 #include "trajectory_plot.h"
@@ -43,20 +48,22 @@ struct Segments {
 };
 
 void PrintJson(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
-               const vo::EvaluationOptions& options) {
+               const std::vector<std::string>& warnings, const vo::EvaluationOptions& options) {
   nlohmann::ordered_json json;
   AddEvaluation(evaluation, json);
   json["rpe_frames"] = options.rpe_frames;
   if (segments) {
     AddSegmentedEvaluation(segments->evaluation, json);
   }
-  std::cout << json.dump(2) << '\n';
+  json["warnings"] = warnings;
+  std::cout << JsonText(json);
 }
 
 void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
                 const vo::EvaluationOptions& options) {
   std::cout << std::fixed << std::setprecision(6)  //
-            << "associated poses            " << evaluation.pairs << '\n'
+            << "associated poses            " << evaluation.pairs << " of "
+            << std::min(evaluation.estimate_poses, evaluation.groundtruth_poses) << '\n'
             << "ATE, SE(3) aligned          " << evaluation.ate_se3_m << " m\n"
             << "ATE, Sim(3) aligned         " << evaluation.ate_sim3_m << " m\n"
             << "scale                       " << evaluation.scale << '\n'
@@ -128,36 +135,89 @@ void Plot(const fs::path& path, const vo::Trajectory& estimate, const vo::Trajec
   WriteTrajectoryPlot(path, AlignWhole(estimate, groundtruth, evaluation), caption.str());
 }
 
-// Two KITTI files without times are of the same frames, row by row.
-bool AssociateByRow(const EvaluateArguments& arguments) {
-  return arguments.times.empty() &&
-         vo::RecognizeTrajectoryFormat(arguments.estimate) == vo::TrajectoryFormat::kKitti &&
-         vo::RecognizeTrajectoryFormat(arguments.groundtruth) == vo::TrajectoryFormat::kKitti;
+// Both trajectories, and what is to be known of how they were read.
+struct Inputs {
+  vo::Trajectory estimate;
+  vo::Trajectory groundtruth;
+  std::vector<std::string> warnings;
+};
+
+vo::TrajectoryFile ReadOne(const EvaluateArguments& arguments, const fs::path& path, bool by_row,
+                           std::vector<std::string>& warnings) {
+  vo::TrajectoryFile file =
+      by_row ? vo::ReadTrajectoryFile(path)
+             : vo::ReadTrajectoryWithTimes(
+                   path, arguments.times.empty() ? std::nullopt : std::optional(arguments.times));
+  for (const std::string& note : file.notes) {
+    warnings.push_back(path.string() + ": " + note);
+  }
+  return file;
+}
+
+// Where one file counts, say, milliseconds and nothing in it tells so.
+void BringTimesTogether(const EvaluateArguments& arguments, Inputs& inputs) {
+  const std::optional<vo::TimeScale> scale =
+      vo::FindTimeScale(inputs.estimate, inputs.groundtruth, arguments.options);
+  if (!scale) {
+    return;
+  }
+  vo::ScaleTimes(scale->power_of_ten, scale->of_estimate ? inputs.estimate : inputs.groundtruth);
+  const fs::path& path = scale->of_estimate ? arguments.estimate : arguments.groundtruth;
+  inputs.warnings.push_back(path.string() + ": its times are multiplied by 10^" +
+                            std::to_string(scale->power_of_ten) +
+                            ": they are in another unit than those of the other file");
+}
+
+Inputs ReadInputs(const EvaluateArguments& arguments) {
+  // Two KITTI files without times are of the same frames, row by row.
+  const auto is_kitti = [](const fs::path& path) {
+    return vo::RecognizeTrajectoryFormat(path) == vo::TrajectoryFormat::kKitti;
+  };
+  const bool by_row =
+      arguments.times.empty() && is_kitti(arguments.estimate) && is_kitti(arguments.groundtruth);
+  Inputs inputs;
+  vo::TrajectoryFile estimate = ReadOne(arguments, arguments.estimate, by_row, inputs.warnings);
+  vo::TrajectoryFile groundtruth =
+      ReadOne(arguments, arguments.groundtruth, by_row, inputs.warnings);
+  if (by_row && estimate.rows != groundtruth.rows) {
+    throw Error(arguments.estimate.string() + " has " + std::to_string(estimate.rows) +
+                " poses and " + arguments.groundtruth.string() + " " +
+                std::to_string(groundtruth.rows) +
+                ": KITTI files without times belong together row by row");
+  }
+  inputs.estimate = std::move(estimate.poses);
+  inputs.groundtruth = std::move(groundtruth.poses);
+  BringTimesTogether(arguments, inputs);
+  return inputs;
 }
 
 void Evaluate(const EvaluateArguments& arguments) {
-  const auto read = [&](const fs::path& path) {
-    return vo::ReadTrajectory(
-        path, arguments.times.empty() ? std::nullopt : std::optional(arguments.times));
-  };
-  const bool by_row = AssociateByRow(arguments);
-  const vo::Trajectory estimate =
-      by_row ? vo::ReadKittiTrajectoryByRow(arguments.estimate) : read(arguments.estimate);
-  const vo::Trajectory groundtruth =
-      by_row ? vo::ReadKittiTrajectoryByRow(arguments.groundtruth) : read(arguments.groundtruth);
-  if (by_row && estimate.size() != groundtruth.size()) {
-    throw Error(arguments.estimate.string() + " has " + std::to_string(estimate.size()) +
-                " poses and " + arguments.groundtruth.string() + " " +
-                std::to_string(groundtruth.size()) +
-                ": KITTI files without times belong together row by row");
+  if (!arguments.plot.empty()) {
+    CheckOutputsAreNoInputs({arguments.plot}, {arguments.estimate, arguments.groundtruth,
+                                               arguments.times, arguments.segments});
+    nn::CheckPlaceForFile(arguments.plot);
+  }
+  Inputs inputs = ReadInputs(arguments);
+  const vo::Trajectory& estimate = inputs.estimate;
+  const vo::Trajectory& groundtruth = inputs.groundtruth;
+  // An input that was read in an unusual way may be why the evaluation fails: said before.
+  for (const std::string& warning : inputs.warnings) {
+    std::cerr << "note: " << warning << '\n';
   }
   const vo::Evaluation evaluation = vo::Evaluate(estimate, groundtruth, arguments.options);
   const std::optional<Segments> segments = FindSegments(arguments, estimate, groundtruth);
   if (!arguments.plot.empty()) {
     Plot(arguments.plot, estimate, groundtruth, evaluation, segments);
   }
+  for (const auto& warning :
+       {vo::AssociationWarning(evaluation, arguments.options), vo::ScaleWarning(evaluation)}) {
+    if (warning) {
+      std::cerr << "warning: " << *warning << '\n';
+      inputs.warnings.push_back(*warning);
+    }
+  }
   if (arguments.json) {
-    PrintJson(evaluation, segments, arguments.options);
+    PrintJson(evaluation, segments, inputs.warnings, arguments.options);
   } else {
     PrintTable(evaluation, segments, arguments.options);
   }

@@ -10,6 +10,8 @@ Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Js
 
 void AddEvaluation(const vo::Evaluation& evaluation, Json& json) {
   json["pairs"] = evaluation.pairs;
+  json["estimate_poses"] = evaluation.estimate_poses;
+  json["groundtruth_poses"] = evaluation.groundtruth_poses;
   json["ate_se3_m"] = FiniteOrNull(evaluation.ate_se3_m);
   json["ate_sim3_m"] = FiniteOrNull(evaluation.ate_sim3_m);
   json["scale"] = FiniteOrNull(evaluation.scale);

@@ -17,6 +17,8 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/thread_pool.h"
+#include "gluevo/vo/io/output_directory.h"
+#include "interruption.h"
 
 namespace gluevo::apps {
 namespace {
@@ -58,7 +60,8 @@ void Experiment(const ExperimentArguments& arguments) {
     PrintPlan(runs);
     return;
   }
-  fs::create_directories(arguments.output);
+  const Interruption interruption;
+  vo::MakeOutputDirectory(arguments.output);
   const int threads =
       arguments.threads > 0 ? arguments.threads : nn::ThreadPool(arguments.threads).size();
   const std::vector<RunOutcome> outcomes =

@@ -5,11 +5,15 @@
 #include <iostream>
 #include <memory>
 #include <opencv2/core/utility.hpp>
+#include <optional>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
-#include "image_files.h"
+#include "gluevo/vo/io/image_file.h"
+#include "interruption.h"
+#include "named_extraction.h"
 #include "options/network_options.h"
 #include "progress.h"
 
@@ -26,8 +30,43 @@ struct ExtractArguments {
   nn::SuperPointOptions superpoint;
 };
 
+// What a user should know about images, said once for each kind.
+struct Remarks {
+  std::size_t left_out = 0;
+  std::size_t turned = 0;
+  fs::path first_turned;
+};
+
+// Nothing for an image that cannot be read or is too small, which is named.
+std::optional<nn::Features> ExtractOrLeaveOut(const fs::path& file, int gray_bits,
+                                              vo::FeatureExtractor& extractor, Remarks& remarks) {
+  try {
+    const vo::GrayImage image = vo::ReadGrayImage(file, gray_bits);
+    nn::Features features = ExtractNamed(extractor, image.pixels, file);
+    if (image.orientation != 1 && ++remarks.turned == 1) {
+      remarks.first_turned = file;
+    }
+    return features;
+  } catch (const Error& error) {
+    ++remarks.left_out;
+    std::cerr << "gluevo: warning: " << error.what() << "; it is left out\n";
+    return std::nullopt;
+  }
+}
+
+void Report(const Remarks& remarks) {
+  if (remarks.turned > 0) {
+    std::cerr << "gluevo: note: " << remarks.turned
+              << " images ask to be turned (EXIF), which is never done: the first is "
+              << remarks.first_turned.string() << '\n';
+  }
+}
+
 void Extract(const ExtractArguments& arguments) {
-  const std::vector<fs::path> images = ListImagesBelow(arguments.images);
+  const Interruption interruption;
+  CheckOutputsAreNoInputs({arguments.output}, {arguments.images, arguments.networks.superpoint});
+  const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
+  const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks = vo::LoadNetworks(arguments.networks, /*with_superglue=*/false);
   const std::unique_ptr<vo::FeatureExtractor> extractor =
@@ -35,18 +74,33 @@ void Extract(const ExtractArguments& arguments) {
 
   vo::FeatureWriter writer(arguments.output);
   std::size_t keypoints = 0;
+  Remarks remarks;
   {
     Progress progress("image", images.size());
     for (std::size_t i = 0; i < images.size(); ++i) {
-      const nn::Features features = extractor->Extract(ReadGrayImage(images[i]));
-      writer.Add(fs::relative(images[i], arguments.images).generic_string(), features);
-      keypoints += static_cast<std::size_t>(features.size());
-      progress.Update(i + 1, std::to_string(features.size()) + " keypoints");
+      // A file that lacks images would pass for a whole one: what is done is given up.
+      Interruption::Check();
+      const std::optional<nn::Features> features =
+          ExtractOrLeaveOut(images[i], gray_bits, *extractor, remarks);
+      if (!features) {
+        continue;
+      }
+      writer.Add(images[i].lexically_relative(arguments.images).generic_string(), *features);
+      keypoints += static_cast<std::size_t>(features->size());
+      progress.Update(i + 1, std::to_string(features->size()) + " keypoints");
     }
   }
+  Report(remarks);
+  if (remarks.left_out == images.size()) {
+    throw Error(arguments.images.string() + ": none of its " + std::to_string(images.size()) +
+                " images can be read");
+  }
   writer.Finish();
-  std::cout << images.size() << " images, " << keypoints
+  std::cout << images.size() - remarks.left_out << " images, " << keypoints
             << " keypoints: " << arguments.output.string() << '\n';
+  if (remarks.left_out > 0) {
+    std::cout << remarks.left_out << " images that cannot be read are left out\n";
+  }
 }
 
 }  // namespace

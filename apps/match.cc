@@ -8,17 +8,20 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <sstream>
 
 #include "commands.h"
+#include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/nn/output_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
-#include "image_files.h"
+#include "gluevo/vo/io/image_file.h"
+#include "interruption.h"
+#include "json_text.h"
+#include "match_drawing.h"
+#include "named_extraction.h"
 #include "options/network_options.h"
+#include "pair_list.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -51,36 +54,14 @@ int CountMatches(const nn::Matches& matches) {
                                         [](int match) { return match >= 0; }));
 }
 
-std::vector<std::pair<std::string, std::string>> ReadPairs(const fs::path& path) {
-  std::ifstream file(path);
-  if (!file || fs::is_directory(path)) {
-    throw Error(path.string() + ": cannot be read (--pairs)");
-  }
-  std::vector<std::pair<std::string, std::string>> pairs;
-  std::string line;
-  for (int number = 1; std::getline(file, line); ++number) {
-    std::istringstream words(line);
-    std::string name0;
-    std::string name1;
-    std::string more;
-    if (!(words >> name0)) {
-      continue;
-    }
-    if (!(words >> name1) || words >> more) {
-      throw Error(path.string() + ":" + std::to_string(number) +
-                  ": expected two names, \"name0 name1\"");
-    }
-    pairs.emplace_back(name0, name1);
-  }
-  if (pairs.empty()) {
-    throw Error(path.string() + ": no pairs");
-  }
-  return pairs;
-}
-
 void MatchFile(const MatchArguments& arguments) {
-  const auto pairs = ReadPairs(arguments.pairs);
+  const Interruption interruption;
+  CheckOutputsAreNoInputs({arguments.output},
+                          {arguments.inputs[0], arguments.pairs, arguments.networks.superpoint,
+                           arguments.networks.superglue});
   const vo::FeatureReader reader(arguments.inputs[0]);
+  const PairList list = ReadPairList(arguments.pairs, reader.images());
+  const auto& pairs = list.pairs;
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks =
       vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
@@ -91,6 +72,8 @@ void MatchFile(const MatchArguments& arguments) {
   {
     Progress progress("pair", pairs.size());
     for (std::size_t i = 0; i < pairs.size(); ++i) {
+      // A file that lacks pairs would pass for a whole one: what is done is given up.
+      Interruption::Check();
       const auto& [name0, name1] = pairs[i];
       const nn::Matches matches =
           matcher->Match(reader.Read(name0), reader.Read(name1), Threshold(arguments));
@@ -102,6 +85,12 @@ void MatchFile(const MatchArguments& arguments) {
   writer.Finish();
   std::cout << pairs.size() << " pairs, " << total << " matches: " << arguments.output.string()
             << '\n';
+  if (list.repeated > 0) {
+    std::cout << list.repeated << " lines of the list repeat a pair, which is matched once\n";
+  }
+  if (list.renamed > 0) {
+    std::cout << list.renamed << " pairs are stored under the names that the features have\n";
+  }
 }
 
 // A 3 x 3 matrix in an OpenCV yaml or xml file, or nine numbers in a text file.
@@ -153,57 +142,41 @@ int CountRight(const nn::Features& features0, const nn::Features& features1,
   return right;
 }
 
-// Both images side by side with a line a match, green for sure ones to red.
-void Draw(const fs::path& path, const cv::Mat& image0, const cv::Mat& image1,
-          const nn::Features& features0, const nn::Features& features1,
-          const nn::Matches& matches) {
-  cv::Mat canvas(std::max(image0.rows, image1.rows), image0.cols + image1.cols, CV_8UC3,
-                 cv::Scalar::all(0));
-  cv::cvtColor(image0, canvas(cv::Rect(0, 0, image0.cols, image0.rows)), cv::COLOR_GRAY2BGR);
-  cv::cvtColor(image1, canvas(cv::Rect(image0.cols, 0, image1.cols, image1.rows)),
-               cv::COLOR_GRAY2BGR);
-  for (int i = 0; i < features0.size(); ++i) {
-    const int match = matches.matches0[i];
-    if (match >= 0) {
-      const cv::Point2f from(features0.keypoints(i, 0), features0.keypoints(i, 1));
-      const cv::Point2f to(features1.keypoints(match, 0) + static_cast<float>(image0.cols),
-                           features1.keypoints(match, 1));
-      const double sure = matches.scores0[i];
-      cv::line(canvas, from, to, cv::Scalar(0, 255.0 * sure, 255.0 * (1.0 - sure)), 1, cv::LINE_AA);
-    }
+cv::Mat ReadImage(const fs::path& file, int gray_bits) {
+  const vo::GrayImage image = vo::ReadGrayImage(file, gray_bits);
+  if (image.orientation != 1) {
+    std::cerr << "gluevo: note: " << file.string()
+              << ": the file asks to be turned (EXIF), which is never done\n";
   }
-  std::string extension = path.extension().string();
-  std::vector<uchar> bytes;
-  try {
-    cv::imencode(extension, canvas, bytes);
-  } catch (const cv::Exception&) {
-    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
-  }
-  nn::WriteWholeFile(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  });
+  return image.pixels;
 }
 
 void MatchImages(const MatchArguments& arguments) {
+  CheckOutputsAreNoInputs({arguments.draw},
+                          {arguments.inputs[0], arguments.inputs[1], arguments.homography});
+  if (!arguments.draw.empty()) {
+    CheckPlaceForDrawing(arguments.draw);
+  }
   std::optional<cv::Matx33d> homography;
   if (!arguments.homography.empty()) {
     homography = ReadHomography(arguments.homography);
   }
-  const cv::Mat images[] = {ReadGrayImage(arguments.inputs[0]), ReadGrayImage(arguments.inputs[1])};
+  const int gray_bits = vo::GrayBits(arguments.inputs);
+  const cv::Mat images[] = {ReadImage(arguments.inputs[0], gray_bits),
+                            ReadImage(arguments.inputs[1], gray_bits)};
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks =
       vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
   const std::unique_ptr<vo::FeatureExtractor> extractor =
       vo::MakeExtractor(networks, arguments.superpoint, pool);
-  const nn::Features features0 = extractor->Extract(images[0]);
-  const nn::Features features1 = extractor->Extract(images[1]);
+  const nn::Features features0 = ExtractNamed(*extractor, images[0], arguments.inputs[0]);
+  const nn::Features features1 = ExtractNamed(*extractor, images[1], arguments.inputs[1]);
   const nn::Matches matches =
       vo::MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
   const int count = CountMatches(matches);
 
   if (!arguments.draw.empty()) {
-    Draw(arguments.draw, images[0], images[1], features0, features1, matches);
+    DrawMatches(arguments.draw, images[0], images[1], features0, features1, matches);
   }
   std::optional<int> right;
   if (homography) {
@@ -228,7 +201,7 @@ void MatchImages(const MatchArguments& arguments) {
       json["right"] = *right;
       json["precision"] = count > 0 ? static_cast<double>(*right) / count : 0.0;
     }
-    std::cout << json.dump(2) << '\n';
+    std::cout << JsonText(json);
     return;
   }
   std::cout << features0.size() << " and " << features1.size() << " keypoints, " << count
@@ -249,7 +222,8 @@ void AddMatchCommand(CLI::App& app) {
   command->add_option("INPUT", arguments->inputs, "features.h5, or two images")
       ->required()
       ->expected(1, 2);
-  command->add_option("--pairs", arguments->pairs, "Pairs to match, \"name0 name1\" a line");
+  command->add_option("--pairs", arguments->pairs,
+                      "Pairs to match, \"name0 name1\" a line, and what may follow");
   command->add_option("-o,--output", arguments->output, "HDF5 file to write the matches to");
   command->add_option("--draw", arguments->draw, "Image file to draw the matches of two images to");
   command->add_flag("--json", arguments->json, "Print the matches of two images as JSON");

@@ -12,6 +12,7 @@
 #include "evaluation_json.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
+#include "json_text.h"
 #include "report/processor.h"
 
 namespace gluevo::apps {
@@ -50,6 +51,10 @@ void RunMetrics::StartFrame() {
 
 void RunMetrics::FrameIsRead() { read_ms_ = Milliseconds(Clock::now() - frame_start_); }
 
+void RunMetrics::FrameIsLeftOut(std::size_t index, const std::string& why) {
+  left_out_.push_back({index, why});
+}
+
 void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frame_end_ = Clock::now();
   frames_.push_back(result);
@@ -84,34 +89,11 @@ double RunMetrics::Duration() const {
   return run_start_ ? Milliseconds(frame_end_ - *run_start_) / 1000.0 : 0.0;
 }
 
-std::vector<std::string> RunMetrics::Warnings(const std::string& method) const {
-  std::vector<std::string> warnings;
-  // The first frame has nothing to be tracked from.
-  constexpr double kNextToNothing = 15.0;
-  if (frames_.size() > 1 && MedianMatches(&vo::FrameResult::tracked) < kNextToNothing) {
-    warnings.emplace_back(
-        "matching from frame to frame yields next to nothing" +
-        std::string(method == "superglue"
-                        ? ": do the weights of SuperPoint and SuperGlue belong together?"
-                        : ": do frames follow each other too slowly?"));
-  }
-  if (!frames_.empty() && MedianMatches(&vo::FrameResult::stereo) < kNextToNothing) {
-    warnings.emplace_back(
-        "matching from left to right yields next to nothing: does the calibration fit the images" +
-        std::string(method != "klt" ? ", and do the weights belong together?" : "?"));
-  }
-  if (Resets() > 0) {
-    warnings.push_back("tracking was lost " + std::to_string(Resets()) +
-                       " times: poses of different segments are not linked");
-  }
-  return warnings;
-}
-
 RunReport RunMetrics::Report(const Context& context) const {
   RunReport report;
   report.method = context.method;
   report.frames = frames_;
-  report.warnings = Warnings(context.method);
+  report.warnings = AllWarnings(context);
   report.evaluation = context.evaluation;
   report.evaluation_failure = context.evaluation_failure;
   report.duration_s = Duration();
@@ -134,6 +116,20 @@ RunReport RunMetrics::Report(const Context& context) const {
 void RunMetrics::Write(const std::filesystem::path& path, const Context& context) const {
   Json json;
   json["frames"] = frames_.size();
+  json["interrupted"] = context.is_interrupted;
+  if (!context.failure.empty()) {
+    json["failure"] = context.failure;
+  }
+  json["frames_left_out"] = Json::array();
+  for (const LeftOut& left_out : left_out_) {
+    json["frames_left_out"].push_back({{"frame", left_out.frame}, {"why", left_out.why}});
+  }
+  json["frames_predicted"] = Json::array();
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    if (frames_[i].is_predicted) {
+      json["frames_predicted"].push_back(i);
+    }
+  }
   json["frames_with_pose"] = frames_.size();
   json["keyframes"] = std::count_if(frames_.begin(), frames_.end(),
                                     [](const vo::FrameResult& frame) { return frame.is_keyframe; });
@@ -152,7 +148,8 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
          {"end_s", static_cast<double>(frames_[end - 1].timestamp_ns) * 1e-9}});
     begin = end;
   }
-  json["warnings"] = Warnings(context.method);
+  json["warnings"] = AllWarnings(context);
+  json["images_left_out"] = context.images_left_out;
   const double duration = Duration();
   json["duration_s"] = duration;
   json["frames_per_second"] = duration > 0.0 ? static_cast<double>(frames_.size()) / duration : 0.0;
@@ -160,7 +157,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   for (const auto& [stage, ms] : stages_ms_) {
     json["stages_ms"][stage] = {{"median", Quantile(ms, 0.5)}, {"p95", Quantile(ms, 0.95)}};
   }
-  json["matches_per_frame"] = {{"tracked", MedianMatches(&vo::FrameResult::tracked)},
+  json["matches_per_frame"] = {{"found", MedianMatches(&vo::FrameResult::matched)},
+                               {"tracked", MedianMatches(&vo::FrameResult::tracked)},
+                               {"fit", MedianMatches(&vo::FrameResult::inliers)},
                                {"stereo", MedianMatches(&vo::FrameResult::stereo)}};
   json["peak_memory_mb"] = PeakMemoryMb();
   json["isa"] = nn::IsaName(nn::ChooseIsa());
@@ -186,10 +185,13 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   if (context.segmented_evaluation) {
     AddSegmentedEvaluation(*context.segmented_evaluation, json);
   }
+  if (!context.evaluation_warning.empty()) {
+    json["evaluation_warning"] = context.evaluation_warning;
+  }
   if (!context.evaluation_failure.empty()) {
     json["evaluation_failure"] = context.evaluation_failure;
   }
-  nn::WriteWholeFile(path, [&](std::ostream& out) { out << json.dump(2) << '\n'; });
+  nn::WriteWholeFile(path, [&](std::ostream& out) { out << JsonText(json); });
 }
 
 std::string RunMetrics::Summary(const Context& context) const {
@@ -199,9 +201,16 @@ std::string RunMetrics::Summary(const Context& context) const {
        << (Resets() == 0 ? " segment" : " segments") << ", "
        << static_cast<double>(frames_.size()) / std::max(Duration(), 1e-9)
        << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
-       << " tracked, " << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
-  for (const std::string& warning : Warnings(context.method)) {
+       << " tracked (" << MedianMatches(&vo::FrameResult::inliers) << " fit), "
+       << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
+  for (const std::string& warning : Warnings(context)) {
     text << "warning: " << warning << '\n';
+  }
+  if (!context.evaluation_failure.empty()) {
+    text << "warning: the ground truth is not used: " << context.evaluation_failure << '\n';
+  }
+  if (!context.evaluation_warning.empty()) {
+    text << "warning: evaluation: " << context.evaluation_warning << '\n';
   }
   if (const std::optional<vo::Evaluation>& evaluation = context.evaluation; evaluation) {
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "

@@ -28,13 +28,23 @@ class RunMetrics {
     vo::WeightsRecord superglue;
     std::map<std::string, std::string> options;
     OptionOrigins origins;
+    std::vector<std::string> dataset_warnings;  ///< vo::Dataset's.
+    int images_left_out = 0;
     std::optional<vo::Evaluation> evaluation;
     std::optional<vo::SegmentedEvaluation> segmented_evaluation;
-    std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.
+    std::string evaluation_warning;   ///< Why its figures say little; empty where they do.
+    std::string evaluation_failure;   ///< Why there is ground truth but no evaluation.
+    std::size_t frames_asked = 0;     ///< Of the data set; fewer are done where the run ends early.
+    bool is_interrupted = false;      ///< By a signal, before its last frame.
+    std::string failure;              ///< What ended the run before its last frame.
+    std::vector<std::string> causes;  ///< Why tracking yields little, vo::Causes().
   };
 
   void StartFrame();
   void FrameIsRead();
+  /// The started frame could not be read.
+  void FrameIsLeftOut(std::size_t index, const std::string& why);
+  std::size_t left_out() const { return left_out_.size(); }
   void FrameIsDone(const vo::FrameResult& result);
 
   /// The part of a report that the record knows.
@@ -46,11 +56,22 @@ class RunMetrics {
   void Write(const std::filesystem::path& path, const Context& context) const;
   /// A few lines for people.
   std::string Summary(const Context& context) const;
-  /// What a user should know about how the run went, a line each.
-  std::vector<std::string> Warnings(const std::string& method) const;
+  /// What a user should know about how the run went, a line each: causes before what they cause.
+  std::vector<std::string> Warnings(const Context& context) const;
+  /// Those of the data set, which are said before the first frame, and these.
+  std::vector<std::string> AllWarnings(const Context& context) const;
+  /// Of a run all of whose frames were left out.
+  std::string WhyNothingWasRead() const;
+  /// Throws Error, with the cause where it is known, where a run of several frames has located
+  /// none.
+  void CheckThatSomethingWasTracked(const Context& context) const;
 
  private:
   using Clock = std::chrono::steady_clock;
+  struct LeftOut {
+    std::size_t frame = 0;
+    std::string why;
+  };
 
   int Resets() const;
   double MedianMatches(int vo::FrameResult::*count) const;
@@ -60,6 +81,7 @@ class RunMetrics {
   Clock::time_point frame_start_;
   Clock::time_point frame_end_;
   double read_ms_ = 0.0;
+  std::vector<LeftOut> left_out_;
   std::vector<vo::FrameResult> frames_;  // Their poses too: 200 bytes a frame.
   std::map<std::string, std::vector<double>> stages_ms_;
 };

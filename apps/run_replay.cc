@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <set>
 
 #include "gluevo/nn/error.h"
 #include "run_metrics.h"
@@ -54,6 +55,15 @@ void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& s
     const std::string text = ValueOf(store.record().options, name);
     std::from_chars(text.data(), text.data() + text.size(), *value);
   }
+  const auto done = static_cast<int>(store.timestamps_ns().size() + store.left_out_ns().size());
+  count = count < 0 ? done : std::min(count, done);
+}
+
+void LeaveOutReplayed(const vo::MatchStoreReader& store, vo::Dataset& dataset) {
+  const std::set<int64_t> left_out(store.left_out_ns().begin(), store.left_out_ns().end());
+  std::erase_if(dataset.entries, [&](const vo::Dataset::Entry& entry) {
+    return left_out.contains(entry.timestamp_ns);
+  });
 }
 
 vo::WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network) {

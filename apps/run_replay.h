@@ -16,9 +16,13 @@ vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
 /// The stored run's method. Throws Error where --method asks for another one.
 std::string ReplayedMethod(const CLI::App& command, const vo::MatchStoreReader& store);
 
-/// Takes --start, --count and --stride from the stored run where the command gives none of them.
+/// Takes --start, --count and --stride from the stored run where the command gives none of them: as
+/// many frames as it got to, should it have ended early.
 void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& store, int& start,
                           int& count, int& stride);
+
+/// Takes away the frames that the stored run could not read.
+void LeaveOutReplayed(const vo::MatchStoreReader& store, vo::Dataset& dataset);
 
 /// Name and checksum of the weights of a network ("superpoint", "superglue") of the stored run.
 vo::WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network);

@@ -11,6 +11,7 @@
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/dataset.h"
+#include "json_text.h"
 
 namespace gluevo::apps {
 namespace {
@@ -106,14 +107,14 @@ Json DescribeInputs(const PlannedRun& run, const std::string& program_checksum) 
 
 void WriteStamp(const fs::path& folder, const Json& inputs) {
   const Json stamp = {{"inputs", inputs}, {"results", ChecksumsOfResults(folder)}};
-  nn::WriteWholeFile(folder / kStamp, [&](std::ostream& out) { out << stamp.dump(2) << '\n'; });
+  nn::WriteWholeFile(folder / kStamp, [&](std::ostream& out) { out << JsonText(stamp); });
 }
 
 bool HasStamp(const fs::path& folder, const Json& inputs) {
   std::ifstream stream(folder / kStamp);
   const Json stamp = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
   if (!stamp.is_object() || !stamp.contains("inputs") || !stamp.contains("results") ||
-      stamp["inputs"] != inputs) {
+      stamp["inputs"] != Json::parse(JsonText(inputs))) {
     return false;
   }
   try {

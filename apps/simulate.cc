@@ -9,6 +9,7 @@
 #include "commands.h"
 #include "gluevo/vo/simulation/pairs.h"
 #include "gluevo/vo/simulation/simulation.h"
+#include "interruption.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -23,10 +24,12 @@ struct SimulateArguments {
 };
 
 void Simulate(const SimulateArguments& arguments) {
+  const Interruption interruption;
   {
     const bool pairs = arguments.rooms > 0;
     std::unique_ptr<Progress> progress;
     const auto show = [&](int done, int total) {
+      Interruption::Check();
       if (progress == nullptr) {
         progress =
             std::make_unique<Progress>(pairs ? "room" : "image", static_cast<std::size_t>(total));
@@ -34,6 +37,7 @@ void Simulate(const SimulateArguments& arguments) {
       progress->Update(static_cast<std::size_t>(done), "rendered");
     };
     simulation::SimulationOptions options = arguments.options;
+    options.checkpoint = &Interruption::Check;
     if (pairs) {
       simulation::PairOptions pair_options;
       pair_options.rooms = arguments.rooms;
@@ -42,6 +46,7 @@ void Simulate(const SimulateArguments& arguments) {
       pair_options.height = arguments.height.value_or(pair_options.height);
       pair_options.depth = options.depth;
       pair_options.threads = options.threads;
+      pair_options.checkpoint = options.checkpoint;
       simulation::SimulatePairs(pair_options, arguments.output, show);
     } else {
       options.width = arguments.width.value_or(options.width);

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -13,6 +15,8 @@
 
 #include "child_process.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/output_directory.h"
+#include "interruption.h"
 #include "progress.h"
 #include "run_stamp.h"
 
@@ -35,7 +39,9 @@ void RenameOldKeys(Json& metrics) {
 
 std::vector<std::string> Arguments(const PlannedRun& run, const fs::path& folder, int threads) {
   std::vector<std::string> arguments = {"run", run.dataset.string(), "--output=" + folder.string(),
-                                        "--threads=" + std::to_string(threads)};
+                                        "--threads=" + std::to_string(threads),
+                                        // A table compares runs over the same frames.
+                                        "--strict"};
   for (const auto& [name, value] : run.options) {
     // A file that the run writes belongs to its folder.
     arguments.push_back("--" + name + "=" +
@@ -111,11 +117,15 @@ class Scheduler {
       while (free_shares_.empty()) {
         WaitForOne();
       }
+      if (Interruption::signal() != 0) {
+        break;
+      }
       Begin(outcome);
     }
     while (!children_.empty()) {
       WaitForOne();
     }
+    Interruption::Check();
     return std::move(outcomes_);
   }
 
@@ -151,7 +161,7 @@ class Scheduler {
       return;
     }
     RemoveResults(folder);
-    fs::create_directories(folder);
+    vo::MakeOutputDirectory(folder);
     const int threads = free_shares_.back();
     const pid_t pid = StartSelf(Arguments(outcome.run, folder, threads), folder / kRunLog);
     free_shares_.pop_back();
@@ -161,14 +171,13 @@ class Scheduler {
   void WaitForOne() {
     int status = 0;
     pid_t pid = 0;
-    if (teller_.shows_bar()) {
-      while ((pid = waitpid(-1, &status, WNOHANG)) == 0) {
+    while ((pid = waitpid(-1, &status, WNOHANG)) == 0 || (pid < 0 && errno == EINTR)) {
+      PassInterruptionOn();
+      if (teller_.shows_bar()) {
         const Child& child = children_.begin()->second;
         teller_.Show(child.outcome->run.Name() + ": " + LastLine(Folder(*child.outcome) / kRunLog));
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
       }
-    } else {
-      pid = waitpid(-1, &status, 0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     const auto found = children_.find(pid);
     if (found == children_.end()) {
@@ -178,6 +187,16 @@ class Scheduler {
     const Child child = std::move(found->second);
     children_.erase(found);
     End(child, status);
+  }
+
+  // Runs end in order then; they are made again when the experiment is.
+  void PassInterruptionOn() {
+    if (const int signal = Interruption::signal(); signal != 0 && !is_passed_on_) {
+      is_passed_on_ = true;
+      for (const auto& [pid, child] : children_) {
+        kill(pid, signal);
+      }
+    }
   }
 
   void End(const Child& child, int status) {
@@ -226,6 +245,7 @@ class Scheduler {
   std::vector<RunOutcome> outcomes_;
   std::vector<int> free_shares_;  // Threads of the runs that may start now.
   std::map<pid_t, Child> children_;
+  bool is_passed_on_ = false;  // Of a signal to the children.
 };
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <optional>
 #include <set>
 
+#include "json_text.h"
+
 namespace gluevo::apps {
 namespace {
 
@@ -292,7 +294,7 @@ std::string OutcomesAsJson(const std::string& title, const std::vector<RunOutcom
     }
     json["runs"].push_back(entry);
   }
-  return json.dump(2) + '\n';
+  return JsonText(json);
 }
 
 }  // namespace gluevo::apps

@@ -1,7 +1,10 @@
 #include "dataset_options.h"
 
 #include <CLI/CLI.hpp>
+#include <iostream>
 #include <map>
+
+#include "gluevo/nn/error.h"
 
 namespace gluevo::apps {
 
@@ -10,10 +13,21 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
       .add_option("--format", arguments.format,
                   "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
       ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
-  command.add_option("--calibration", arguments.calibration,
-                     "Calibration of a plain data set: Kalibr camchain or OpenCV yaml");
+  command
+      .add_option("--calibration", arguments.calibration,
+                  "Calibration: a file of Kalibr, OpenCV, ROS, VINS-Fusion, ORB-SLAM, OpenVINS, "
+                  "Basalt, ZED or EuRoC, or its folder; twice for one in two files")
+      ->expected(1)
+      ->take_all()
+      ->allow_extra_args(false);
   command.add_option("--groundtruth", arguments.groundtruth,
                      "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
+  command.add_option("--rate", arguments.rate_hz,
+                     "Images a second of a plain data set that has no times; default: 10, which is "
+                     "warned of");
+  command.add_option("--pair-tolerance", arguments.pair_tolerance_s,
+                     "How far the stamps of left and right image may be apart, seconds; default: a "
+                     "tenth of the time from image to image");
   command.add_option("--start", arguments.start, "First frame")->capture_default_str();
   command.add_option("--count", arguments.count, "Number of frames; default: all");
   command.add_option("--stride", arguments.stride, "Take every so many-th frame")
@@ -30,16 +44,34 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
   if (const auto found = formats.find(arguments.format); found != formats.end()) {
     options.format = found->second;
   }
+  if (arguments.calibration.size() > 2) {
+    throw Error("--calibration is given " + std::to_string(arguments.calibration.size()) +
+                " times, expected one file or two");
+  }
   if (!arguments.calibration.empty()) {
-    options.calibration = arguments.calibration;
+    options.calibration = arguments.calibration.front();
+  }
+  if (arguments.calibration.size() > 1) {
+    options.calibration_mate = arguments.calibration.back();
   }
   if (!arguments.groundtruth.empty()) {
     options.groundtruth = arguments.groundtruth;
   }
+  options.rate_hz = arguments.rate_hz;
+  options.pair_tolerance_s = arguments.pair_tolerance_s;
   options.start = arguments.start;
   options.count = arguments.count;
   options.stride = arguments.stride;
   return options;
+}
+
+void PrintNotes(const vo::Dataset& dataset) {
+  for (const std::string& note : dataset.notes) {
+    std::cerr << "gluevo: note: " << note << '\n';
+  }
+  for (const std::string& warning : dataset.warnings) {
+    std::cerr << "gluevo: warning: " << warning << '\n';
+  }
 }
 
 }  // namespace gluevo::apps

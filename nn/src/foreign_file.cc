@@ -1,10 +1,10 @@
 #include "gluevo/nn/foreign_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/stand_in.h"
 
 namespace gluevo::nn {
 namespace {
@@ -19,9 +19,6 @@ struct Signature {
 };
 
 constexpr Signature kSignatures[] = {
-    {0, "version https://git-lfs", "a pointer of Git LFS",
-     ": fetch the file itself with git lfs pull"},
-    {0, "/annex/objects/", "a pointer of git-annex", ": fetch the file itself with git annex get"},
     {257, "ustar", "a tar archive",
      ": unpack it, or, where PyTorch wrote it before 0.1.10, save it again with a later version"},
     {0, "\x1f\x8b", "compressed by gzip", kUnpack},
@@ -44,24 +41,10 @@ constexpr Signature kSignatures[] = {
      "a program", ""},
 };
 
-/// The first characters in lower case, without blanks and a byte order mark before them.
-std::string Beginning(std::string_view text) {
-  constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
-  constexpr std::size_t kLength = 64;
-  if (text.starts_with(kByteOrderMark)) {
-    text.remove_prefix(kByteOrderMark.size());
-  }
-  text = text.substr(std::min(text.find_first_not_of(" \t\r\n"), text.size()), kLength);
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
-bool IsShortText(std::string_view text) {
+bool IsShortAscii(std::string_view text) {
   constexpr std::size_t kLongestMessage = 2000;
   return text.size() <= kLongestMessage && std::all_of(text.begin(), text.end(), [](char c) {
-           return static_cast<unsigned char>(c) >= ' ' || c == '\n' || c == '\r' || c == '\t';
+           return (c >= ' ' && c <= '~') || c == '\n' || c == '\r' || c == '\t';
          });
 }
 
@@ -69,6 +52,10 @@ bool IsShortText(std::string_view text) {
 
 std::optional<std::string> ForeignForm(const Bytes& file, std::string_view expected) {
   const std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
+  const std::optional<StandIn> stand_in = FindStandIn(text);
+  if (stand_in && !stand_in->is_page) {
+    return std::string(stand_in->what) + ": " + stand_in->advice;
+  }
   for (const Signature& signature : kSignatures) {
     if (text.size() > signature.offset &&
         text.substr(signature.offset).starts_with(signature.bytes)) {
@@ -80,17 +67,14 @@ std::optional<std::string> ForeignForm(const Bytes& file, std::string_view expec
     return what + ", expected " + std::string(expected) +
            ": was it not downloaded as it should be?";
   };
-  const std::string beginning = Beginning(text);
-  for (const std::string_view tag : {"<!doctype html", "<html", "<head", "<!--"}) {
-    if (beginning.starts_with(tag)) {
-      return not_downloaded("a web page");
-    }
+  if (stand_in) {
+    return not_downloaded(stand_in->what);
   }
-  if (beginning.starts_with("<?xml")) {
+  if (text.starts_with("<?xml")) {
     return not_downloaded("XML");
   }
   // Servers answer "Entry not found", {"error": ...} and the like.
-  if (!text.empty() && IsShortText(text)) {
+  if (!text.empty() && IsShortAscii(text)) {
     const std::string line(text.substr(0, std::min<std::size_t>(text.find_first_of("\r\n"), 60)));
     return not_downloaded("the text " + Quoted(line));
   }

@@ -68,8 +68,10 @@ SuperGlueWeights ReadSuperGlueWeights(const Weights& weights) {
   if (!weights.Has("kenc.encoder.0.weight")) {
     throw Error(weights.source + ": not the weights of a SuperGlue: no tensor " +
                 "kenc.encoder.0.weight" +
-                (weights.Has("conv1a.weight") ? " (these are a SuperPoint's)"
-                                              : " (gluevo-weights converts other forms)"));
+                (weights.Has("conv1a.weight")      ? " (these are a SuperPoint's)"
+                 : weights.Has("posenc.Wr.weight") ? " (these are a LightGlue's, which is another "
+                                                     "network)"
+                                                   : " (gluevo-weights converts other forms)"));
   }
   SuperGlueWeights result;
   // Keypoint encoder: affine maps with batch normalisation and ReLU between them; as modules of one

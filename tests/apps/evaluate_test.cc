@@ -129,6 +129,37 @@ TEST_F(SegmentsTest, OfAnotherRunAreRefusedOrLeftAlone) {
   EXPECT_EQ(Run(inputs + " --segments " + Path("none.json")).exit_code, 1);
 }
 
+TEST_F(EvaluateTest, SaysHowItReadTheFiles) {
+  const std::string truth = Write("g.tum", kTruthTum);
+  const std::string estimate =
+      Write("e.csv",
+            "time [ms],x,y,z,qx,qy,qz,qw\n1000,1,1,0,0,0,0,1\n2000,1,-1,0,0,0,0,1\n"
+            "3000,-1,-1,0,0,0,0,1\n3500,nan,nan,nan,0,0,0,1\n4000,-1,1,0,0,0,0,1\n");
+  const Outcome outcome = Run("evaluate " + estimate + " " + truth + " --json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  const nlohmann::json json = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(json["pairs"], 4);
+  EXPECT_EQ(json["estimate_poses"], 4);
+  EXPECT_NEAR(json["ate_se3_m"], 0.0, 1e-12);
+  ASSERT_EQ(json["warnings"].size(), 1U);
+  EXPECT_EQ(outcome.error, "note: " + json["warnings"][0].get<std::string>() + "\n");
+  EXPECT_NE(outcome.error.find("e.csv: 1 row (first in line 5)"), std::string::npos);
+}
+
+TEST_F(EvaluateTest, SaysThatFewPosesHaveAMate) {
+  std::string estimate;
+  std::string truth;
+  for (int i = 0; i < 12; ++i) {
+    const std::string pose = " " + std::to_string(i * i) + " " + std::to_string(i) + " 0 0 0 0 1\n";
+    truth += std::to_string(i) + pose;
+    estimate += std::to_string(i) + (i < 3 ? "" : ".5") + pose;
+  }
+  const Outcome outcome = Run("evaluate " + Write("e.tum", estimate) + " " + Write("g.tum", truth));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("3 of 12"), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.error.find("warning: only 3 of 12 poses"), std::string::npos) << outcome.error;
+}
+
 TEST_F(EvaluateTest, PrintsATable) {
   const Outcome outcome =
       Run("evaluate " + Write("e.tum", kEstimateTum) + " " + Write("g.tum", kTruthTum));

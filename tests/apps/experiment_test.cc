@@ -229,7 +229,10 @@ TEST_F(ExperimentTest, ARunThatFailsLateLeavesNoOlderResult) {
             std::string::npos)
       << outcome.out;
   EXPECT_TRUE(Table()["runs"][0]["ate_se3_m"].is_null());
-  EXPECT_FALSE(fs::exists(Path("out/runs/flight/klt/metrics.json")));
+  // What came before the image is there, marked, and no result.
+  const auto metrics = nlohmann::json::parse(Contents(Path("out/runs/flight/klt/metrics.json")));
+  EXPECT_EQ(metrics["frames"], 5);
+  EXPECT_TRUE(metrics.contains("failure"));
   EXPECT_FALSE(fs::exists(Path("out/runs/flight/klt/stamp.json")));
 }
 

@@ -67,11 +67,80 @@ TEST_F(MatchTest, BadInputIsNamed) {
   EXPECT_FALSE(fs::exists(Path("matches.h5")));
   EXPECT_EQ(Run("match " + Path("features.h5")).exit_code, 2);
   EXPECT_EQ(Run("extract " + Path("nowhere") + " -o " + Path("x.h5")).exit_code, 1);
+  // The others are extracted.
   Write("images/broken.png", "no image");
   const Outcome broken = Run("extract " + Path("images") + " -o " + Path("x.h5"));
-  EXPECT_EQ(broken.exit_code, 1);
-  EXPECT_NE(broken.error.find("broken.png"), std::string::npos);
-  EXPECT_FALSE(fs::exists(Path("x.h5")));
+  EXPECT_EQ(broken.exit_code, 0);
+  EXPECT_NE(broken.error.find("broken.png: not an image"), std::string::npos) << broken.error;
+  EXPECT_EQ(broken.out.substr(0, 8), "2 images");
+  EXPECT_NE(broken.out.find("1 images that cannot be read"), std::string::npos) << broken.out;
+  fs::create_directories(Path("bad"));
+  Write("bad/broken.png", "no image");
+  const Outcome none = Run("extract " + Path("bad") + " -o " + Path("y.h5"));
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_NE(none.error.find("none of its 1 images can be read"), std::string::npos) << none.error;
+  EXPECT_FALSE(fs::exists(Path("y.h5")));
+}
+
+TEST_F(MatchTest, ListsOfPairsInTheFormsOfOtherTools) {
+  MakeImages();
+  ASSERT_EQ(Run("extract " + Path("images") + " -o " + Path("features.h5")).exit_code, 0);
+  const auto match = [&](const std::string& list) {
+    Write("pairs.txt", list);
+    return Run("match " + Path("features.h5") + " --pairs " + Path("pairs.txt") + " -o " +
+               Path("matches.h5") + " --matcher nn");
+  };
+  for (const std::string list :
+       {"\xEF\xBB\xBF# pairs\r\n\r\na.png sub/b.png\r\n", "a.png\tsub/b.png\n", "a.png,sub/b.png\n",
+        "a.png sub/b.png 0 0 0.5\n", "a.png sub/b.png\na.png sub/b.png\n", "./a.png sub\\b.png\n",
+        "/somewhere/images/a.png /somewhere/images/sub/b.png\n", "a.png b.png\n"}) {
+    const Outcome outcome = match(list);
+    EXPECT_EQ(outcome.exit_code, 0) << list << outcome.error;
+    EXPECT_EQ(outcome.out.substr(0, 7), "1 pairs") << list << outcome.out;
+  }
+  const Outcome both = match("a.png sub/b.png\nsub/b.png a.png\n");
+  EXPECT_EQ(both.out.substr(0, 7), "2 pairs") << both.out;
+  const Outcome late = match("a.png sub/b.png\na.png absent.png\ngone.png a.png\n");
+  EXPECT_EQ(late.exit_code, 1);
+  EXPECT_NE(late.error.find("pairs.txt:2: \"absent.png\" has no features"), std::string::npos);
+  EXPECT_NE(late.error.find("1 others"), std::string::npos) << late.error;
+  EXPECT_EQ(match("\"a.png\" \"sub/b.png\"\n").out.substr(0, 7), "1 pairs");
+  EXPECT_EQ(match("'a.png', 'sub/b.png'\n").out.substr(0, 7), "1 pairs");
+  const std::string utf16(
+      "\xFF\xFE"
+      "a\0 \0b\0\n\0",
+      10);
+  EXPECT_NE(match(utf16).error.find("pairs.txt: text in UTF-16"), std::string::npos);
+  EXPECT_EQ(late.error.find("pair 1"), std::string::npos) << late.error;
+  EXPECT_NE(match("a.png\n").error.find("pairs.txt:1: expected two names"), std::string::npos);
+}
+
+TEST_F(MatchTest, NamesThatFitSeveralImagesAreToldFromThoseThatFitNone) {
+  MakeImages();
+  fs::create_directories(Path("images/other"));
+  fs::copy(Path("images/sub/b.png"), Path("images/other/b.png"));
+  ASSERT_EQ(Run("extract " + Path("images") + " -o " + Path("features.h5")).exit_code, 0);
+  Write("pairs.txt", "a.png b.png\n");
+  const Outcome outcome = Run("match " + Path("features.h5") + " --pairs " + Path("pairs.txt") +
+                              " -o " + Path("matches.h5"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.error.find("\"b.png\" may be \"other/b.png\" or \"sub/b.png\""),
+            std::string::npos)
+      << outcome.error;
+}
+
+TEST_F(MatchTest, AnImageThatIsTooSmallIsNamedAndTheOthersAreExtracted) {
+  MakeImages();
+  cv::imwrite(Path("images/tiny.png"), cv::Mat(5, 5, CV_8UC1, cv::Scalar(9)));
+  const Outcome extract = Run("extract " + Path("images") + " -o " + Path("features.h5"));
+  EXPECT_EQ(extract.exit_code, 0) << extract.error;
+  EXPECT_NE(extract.error.find("tiny.png: an image of 5 x 5 pixels"), std::string::npos)
+      << extract.error;
+  EXPECT_EQ(extract.out.substr(0, 8), "2 images");
+  const Outcome match = Run("match " + Path("images/a.png") + " " + Path("images/tiny.png"));
+  EXPECT_EQ(match.exit_code, 1);
+  EXPECT_NE(match.error.find("tiny.png: an image of 5 x 5 pixels"), std::string::npos)
+      << match.error;
 }
 
 }  // namespace

@@ -187,7 +187,7 @@ TEST(NpzTest, RefusesWhatIsNoNpy) {
   ExpectRefused(Archive{{Entry("data.pkl", "x")}}.Bytes(), 0, "\"data.pkl\" of the archive is no");
   ExpectRefused(Archive{{Entry(".npy", "x")}}.Bytes(), 0, "is no .npy array");
   ExpectRefused(Good(), 0, "single .npy array");
-  ExpectRefused("GIF89a, certainly no weights", 0, "neither .safetensors nor .npz");
+  ExpectRefused("GIF89a\x01, certainly no weights", 0, "neither .safetensors nor .npz");
 }
 
 TEST(NpzTest, RefusesNamesThatComeTwice) {

@@ -17,11 +17,12 @@ BEGIN {
   sees["vo/estimator"] = "nn_base core geometry inertial"
   sees["vo/mapping"] = "nn_base nn core geometry io frontend"
   sees["vo/pipeline"] = "nn_base nn core geometry io evaluation frontend inertial estimator mapping"
+  sees["vo/doctor"] = "nn_base core geometry io"
   sees["vo/simulation"] = "nn_base core geometry io"
   sees["nn"] = "nn_base nn"
   sees["nn/base"] = "nn_base"
   sees["weights_tools"] = "nn_base nn weights_tools"
-  sees["apps"] = "nn_base nn core geometry io evaluation frontend inertial estimator mapping pipeline simulation"
+  sees["apps"] = "nn_base nn core geometry io evaluation frontend inertial estimator mapping pipeline doctor simulation"
 }
 
 function home_of(path, parts) {

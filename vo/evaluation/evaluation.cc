@@ -182,20 +182,17 @@ double Seconds(int64_t from_ns, int64_t to_ns) {
   return static_cast<double>(TimeApart(from_ns, to_ns)) * kSecondsPerNanosecond;
 }
 
-double Coverage(const std::vector<PosePair>& pairs, const Trajectory& groundtruth) {
+/// `shorter` is the trajectory whose poses look for a mate: were all found, they would be no
+/// further apart than its own.
+double Coverage(const std::vector<PosePair>& pairs, const Trajectory& groundtruth,
+                const Trajectory& shorter) {
   constexpr double kGap = 1.0;
   constexpr double kStepsOfGap = 3.0;
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < pairs.size(); ++i) {
-    steps.push_back(
-        Seconds(pairs[i - 1].groundtruth->timestamp_ns, pairs[i].groundtruth->timestamp_ns));
-  }
-  std::vector<double> sorted = steps;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double longest_gap = std::max(kGap, kStepsOfGap * *middle);
+  const double longest_gap = std::max(kGap, kStepsOfGap * MedianStep(shorter));
   double covered = 0.0;
-  for (const double step : steps) {
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    const double step =
+        Seconds(pairs[i - 1].groundtruth->timestamp_ns, pairs[i].groundtruth->timestamp_ns);
     covered += step <= longest_gap ? step : 0.0;
   }
   const double duration =
@@ -262,7 +259,10 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
   evaluation.correct_motions = CountCorrectMotions(pairs, options);
   EvaluateRelative(pairs, evaluation);
   EvaluateFrameSteps(pairs, options, evaluation);
-  evaluation.coverage = Coverage(pairs, groundtruth);
+  evaluation.estimate_poses = estimate.size();
+  evaluation.groundtruth_poses = groundtruth.size();
+  evaluation.coverage =
+      Coverage(pairs, groundtruth, estimate.size() > groundtruth.size() ? groundtruth : estimate);
   return evaluation;
 }
 

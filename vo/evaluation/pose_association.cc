@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <iterator>
+#include <limits>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "gluevo/nn/error.h"
@@ -12,6 +15,7 @@ namespace gluevo::vo {
 namespace {
 
 constexpr std::size_t kFewestPairs = 3;
+constexpr double kSecondsPerNanosecond = 1e-9;
 
 /// The pose nearest in time, the earlier of two equally near; null where none is near enough.
 const StampedPose* Nearest(const Trajectory& trajectory, int64_t timestamp_ns, uint64_t farthest) {
@@ -31,6 +35,18 @@ const StampedPose* Nearest(const Trajectory& trajectory, int64_t timestamp_ns, u
   return nearest;
 }
 
+/// "1.5 to 7.25 s", to the millisecond.
+std::string TimesOf(const Trajectory& trajectory) {
+  if (trajectory.empty()) {
+    return "no time";
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(3)
+       << static_cast<double>(trajectory.front().timestamp_ns) * kSecondsPerNanosecond << " to "
+       << static_cast<double>(trajectory.back().timestamp_ns) * kSecondsPerNanosecond << " s";
+  return text.str();
+}
+
 }  // namespace
 
 uint64_t TimeApart(int64_t a_ns, int64_t b_ns) {
@@ -38,8 +54,21 @@ uint64_t TimeApart(int64_t a_ns, int64_t b_ns) {
   return a_ns >= b_ns ? difference : uint64_t{0} - difference;
 }
 
-std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajectory& groundtruth,
-                                     const EvaluationOptions& options) {
+double MedianStep(const Trajectory& trajectory) {
+  std::vector<uint64_t> steps;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    steps.push_back(TimeApart(trajectory[i - 1].timestamp_ns, trajectory[i].timestamp_ns));
+  }
+  if (steps.empty()) {
+    return 0.0;
+  }
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return static_cast<double>(*middle) * kSecondsPerNanosecond;
+}
+
+std::vector<PosePair> NearPoses(const Trajectory& estimate, const Trajectory& groundtruth,
+                                const EvaluationOptions& options) {
   options.Validate();
   constexpr double kNanosecondsPerSecond = 1e9;
   const auto farthest =
@@ -53,11 +82,42 @@ std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajector
       pairs.push_back(estimate_is_longer ? PosePair{nearest, &pose} : PosePair{&pose, nearest});
     }
   }
+  return pairs;
+}
+
+namespace {
+
+constexpr double kNearSeconds = 1.0;
+
+/// The least time between a pose of one and a pose of the other, seconds.
+double NearestApart(const Trajectory& estimate, const Trajectory& groundtruth) {
+  uint64_t apart = std::numeric_limits<uint64_t>::max();
+  for (const StampedPose& pose : estimate) {
+    if (const StampedPose* nearest = Nearest(groundtruth, pose.timestamp_ns, apart)) {
+      apart = std::min(apart, TimeApart(nearest->timestamp_ns, pose.timestamp_ns));
+    }
+  }
+  return static_cast<double>(apart) * kSecondsPerNanosecond;
+}
+
+}  // namespace
+
+std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajectory& groundtruth,
+                                     const EvaluationOptions& options) {
+  std::vector<PosePair> pairs = NearPoses(estimate, groundtruth, options);
   if (pairs.size() < kFewestPairs) {
-    throw Error("only " + std::to_string(pairs.size()) +
-                " poses of the estimate and the ground truth are within " +
-                std::to_string(options.max_time_difference_s) +
-                " s of each other, expected at least 3: are they of the same sequence and clock?");
+    std::ostringstream text;
+    text << "only " << pairs.size() << " poses of the estimate and the ground truth are within "
+         << options.max_time_difference_s << " s of each other, expected at least " << kFewestPairs
+         << ": the estimate is from " << TimesOf(estimate) << ", the ground truth from "
+         << TimesOf(groundtruth);
+    const double apart = NearestApart(estimate, groundtruth);
+    if (apart > options.max_time_difference_s && apart < kNearSeconds) {
+      text << "; the nearest are " << apart << " s apart (--max-time-difference)";
+    } else {
+      text << ": are they of the same sequence and clock?";
+    }
+    throw Error(text.str());
   }
   return pairs;
 }

@@ -18,6 +18,13 @@ struct PosePair {
 /// |a - b|, which an int64_t may not hold.
 uint64_t TimeApart(int64_t a_ns, int64_t b_ns);
 
+/// Median time from a pose to the next, seconds; 0 for fewer than two poses.
+double MedianStep(const Trajectory& trajectory);
+
+/// Pairs as `Evaluation` says, however few. Throws Error for options out of their range.
+std::vector<PosePair> NearPoses(const Trajectory& estimate, const Trajectory& groundtruth,
+                                const EvaluationOptions& options);
+
 /// Pairs as `Evaluation` says, in order of time; they point into the trajectories. Throws Error for
 /// options out of their range and where fewer than 3 poses associate.
 std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajectory& groundtruth,

@@ -72,12 +72,23 @@ TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   return result;
 }
 
+void KltFrontEnd::Accept(const FrameOutcome& outcome) {
+  if (outcome.is_passed_over) {
+    std::swap(left_, last_left_);
+    tracks_ = std::move(last_tracks_);
+    ++frames_since_last_;
+  } else {
+    frames_since_last_ = 1;
+  }
+}
+
 void KltFrontEnd::Follow() {
+  const auto frames = static_cast<float>(frames_since_last_);
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
   for (const Corner& track : tracks_) {
     pixels.push_back(track.pixel);
-    guesses.push_back(options_.predict ? track.pixel + track.motion : track.pixel);
+    guesses.push_back(options_.predict ? track.pixel + frames * track.motion : track.pixel);
   }
   const Flow flow = FollowCorners(last_left_, left_, pixels, guesses, options_);
   std::vector<Corner> before;
@@ -86,10 +97,10 @@ void KltFrontEnd::Follow() {
     if (flow.found[i] != 0) {
       before.push_back(tracks_[i]);
       after.push_back({tracks_[i].id, tracks_[i].length + 1, flow.pixels[i],
-                       flow.pixels[i] - tracks_[i].pixel});
+                       (flow.pixels[i] - tracks_[i].pixel) / frames});
     }
   }
-  tracks_ = std::move(after);
+  last_tracks_ = std::exchange(tracks_, std::move(after));
   if (options_.reject_by_fundamental) {
     RejectByFundamental(before);
   }

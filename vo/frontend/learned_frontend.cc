@@ -85,6 +85,19 @@ void LearnedFrontEnd::Advance() {
   if (outcome_.starts_segment) {
     keyframes_.clear();
   }
+  if (outcome_.is_passed_over) {
+    frames_since_networks_ = options_.network_every;
+  } else {
+    KeepFrame();
+  }
+  view_.reset();
+  tracks_.clear();
+  ways_.reset();
+  outcome_ = {};
+  stages_ms_.clear();
+}
+
+void LearnedFrontEnd::KeepFrame() {
   previous_tracks_.clear();
   for (const TrackedPoint& track : tracks_) {
     previous_tracks_[track.id] = track;
@@ -104,11 +117,6 @@ void LearnedFrontEnd::Advance() {
   } else if (outcome_.is_keyframe) {
     frames_since_networks_ = options_.network_every;
   }
-  view_.reset();
-  tracks_.clear();
-  ways_.reset();
-  outcome_ = {};
-  stages_ms_.clear();
 }
 
 void LearnedFrontEnd::RunNetworks() {

@@ -68,6 +68,9 @@ void MatchStoreWriter::Add(const TrackedFrame& frame) {
 
 void MatchStoreWriter::Finish() {
   file_->Write("timestamps_ns", {timestamps_ns_.size()}, timestamps_ns_.data());
+  if (!left_out_ns_.empty()) {
+    file_->Write("left_out_ns", {left_out_ns_.size()}, left_out_ns_.data());
+  }
   file_->Finish();
 }
 

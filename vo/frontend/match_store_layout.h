@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <string>
+#include <tuple>
 
 #include "gluevo/vo/geometry/camera.h"
 
@@ -10,8 +11,15 @@
 namespace gluevo::vo::match_store {
 
 inline constexpr const char* kFormat = "gluevo matches";
-inline constexpr const char* kVersion = "1";
-inline constexpr std::size_t kRigColumns = 19;
+inline constexpr const char* kVersion = "2";
+/// A camera's row: size and intrinsics, model, coefficients, pose.
+inline constexpr std::size_t kFirstCoefficient = 7;
+inline constexpr std::size_t kPoseColumns = 7;
+inline constexpr std::size_t kRigColumns =
+    kFirstCoefficient + std::tuple_size_v<DistortionCoefficients> + kPoseColumns;
+/// Version 1 had room for five coefficients.
+inline constexpr const char* kVersionOfFive = "1";
+inline constexpr std::size_t kRigColumnsOfFive = kFirstCoefficient + 5 + kPoseColumns;
 
 inline std::string FrameGroup(std::size_t index) {
   std::array<char, 32> name = {};
@@ -20,7 +28,7 @@ inline std::string FrameGroup(std::size_t index) {
 }
 
 inline std::array<double, kRigColumns> RigRow(const Camera& camera, const Rigid3& body_from_cam) {
-  const std::array<double, 5>& k = camera.coefficients;
+  const DistortionCoefficients& k = camera.coefficients;
   const Eigen::Vector4d& q = body_from_cam.rotation.coeffs();
   const Eigen::Vector3d& t = body_from_cam.translation;
   return {static_cast<double>(camera.width),
@@ -35,6 +43,9 @@ inline std::array<double, kRigColumns> RigRow(const Camera& camera, const Rigid3
           k[2],
           k[3],
           k[4],
+          k[5],
+          k[6],
+          k[7],
           q.x(),
           q.y(),
           q.z(),

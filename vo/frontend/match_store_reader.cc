@@ -71,39 +71,46 @@ MatchStoreReader::MatchStoreReader(const std::filesystem::path& path)
   if (TextOf(about, "format") != match_store::kFormat) {
     throw Error(path.string() + ": holds no matches of a run, expected a file of --save-matches");
   }
-  if (TextOf(about, "version") != match_store::kVersion) {
-    throw Error(path.string() + ": matches in version " + Quoted(TextOf(about, "version")) +
+  const std::string version = TextOf(about, "version");
+  if (version != match_store::kVersion && version != match_store::kVersionOfFive) {
+    throw Error(path.string() + ": matches in version " + Quoted(version) +
                 " of their format, expected version " + match_store::kVersion);
   }
   record_ = {TextOf(about, "method"), file_->ReadTexts("options"), file_->ReadTexts("weights")};
-  rig_ = ReadRig();
+  rig_ = ReadRig(version == match_store::kVersion ? match_store::kRigColumns
+                                                  : match_store::kRigColumnsOfFive);
   file_->ShapeOf("timestamps_ns", 1, kMostFrames);
   timestamps_ns_ = file_->ReadLongIntegers("timestamps_ns");
+  if (file_->Has("left_out_ns")) {
+    file_->ShapeOf("left_out_ns", 1, kMostFrames);
+    left_out_ns_ = file_->ReadLongIntegers("left_out_ns");
+  }
 }
 
-StereoRig MatchStoreReader::ReadRig() const {
+StereoRig MatchStoreReader::ReadRig(std::size_t columns) const {
   const std::vector<int64_t> shape = file_->ShapeOf("rig", 2, match_store::kRigColumns);
   const std::vector<double> values = file_->ReadDoubles("rig");
-  if (shape[0] != 2 || shape[1] != match_store::kRigColumns ||
+  if (shape[0] != 2 || shape[1] != static_cast<int64_t>(columns) ||
       !std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); })) {
-    throw Error(file_->Place("rig") + " is malformed, expected 2 x " +
-                std::to_string(match_store::kRigColumns) + " finite values");
+    throw Error(file_->Place("rig") + " is malformed, expected 2 x " + std::to_string(columns) +
+                " finite values");
   }
   StereoRig rig;
   for (int i = 0; i < 2; ++i) {
-    const double* const row = values.data() + i * match_store::kRigColumns;
+    const double* const row = values.data() + i * columns;
     Camera& camera = rig.cameras[i];
     const double largest = 1 << 20;
     if (!(row[0] >= 1 && row[0] <= largest && row[1] >= 1 && row[1] <= largest && row[6] >= 0 &&
-          row[6] <= static_cast<double>(Distortion::kEquidistant))) {
+          row[6] <= static_cast<double>(Distortion::kFieldOfView))) {
       throw Error(file_->Place("rig") + " is malformed: no size or no distortion of camera " +
                   std::to_string(i));
     }
     camera = {static_cast<int>(row[0]), static_cast<int>(row[1]), row[2], row[3], row[4], row[5]};
     camera.distortion = static_cast<Distortion>(static_cast<int>(row[6]));
-    std::copy_n(row + 7, camera.coefficients.size(), camera.coefficients.begin());
-    rig.body_from_cam[i].rotation.coeffs() = Eigen::Vector4d(row[12], row[13], row[14], row[15]);
-    rig.body_from_cam[i].translation = Eigen::Vector3d(row[16], row[17], row[18]);
+    const double* const pose = row + columns - match_store::kPoseColumns;
+    std::copy(row + match_store::kFirstCoefficient, pose, camera.coefficients.begin());
+    rig.body_from_cam[i].rotation.coeffs() = Eigen::Vector4d(pose[0], pose[1], pose[2], pose[3]);
+    rig.body_from_cam[i].translation = Eigen::Vector3d(pose[4], pose[5], pose[6]);
   }
   return rig;
 }

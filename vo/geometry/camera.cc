@@ -23,6 +23,11 @@ void Camera::Validate(const std::string& what) const {
       throw Error(what + ": the distortion coefficients are not finite");
     }
   }
+  const DistortionModel& model = ModelOf(distortion);
+  if (const std::string_view fault = model.fault != nullptr ? model.fault(coefficients) : "";
+      !fault.empty()) {
+    throw Error(what + ": " + std::string(model.name) + " camera: " + std::string(fault));
+  }
 }
 
 Eigen::Vector2d Camera::Project(const Eigen::Vector3d& point_in_cam) const {
@@ -45,6 +50,10 @@ Eigen::Vector2d Camera::Undistort(const Eigen::Vector2d& pixel) const {
     return NoPoint();
   }
   return ModelOf(distortion).undistort(coefficients, target);
+}
+
+Eigen::Vector2d Camera::CentralFocal() const {
+  return DistortJacobian(Eigen::Vector2d::Zero()).diagonal();
 }
 
 }  // namespace gluevo::vo

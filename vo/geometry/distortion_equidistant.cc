@@ -91,6 +91,6 @@ Eigen::Vector2d Undistort(const DistortionCoefficients& coefficients,
 
 }  // namespace
 
-const DistortionModel kEquidistantModel = {&Distort, &Undistort};
+const DistortionModel kEquidistantModel = {"equidistant", "k1 k2 k3 k4", &Distort, &Undistort};
 
 }  // namespace gluevo::vo

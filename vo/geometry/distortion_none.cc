@@ -13,6 +13,6 @@ Eigen::Vector2d Undistort(const DistortionCoefficients& /*none*/, const Eigen::V
 
 }  // namespace
 
-const DistortionModel kNoDistortion = {&Distort, &Undistort};
+const DistortionModel kNoDistortion = {"none", "", &Distort, &Undistort};
 
 }  // namespace gluevo::vo

@@ -8,7 +8,7 @@ namespace gluevo::vo {
 
 EpipolarCheck::EpipolarCheck(const StereoRig& rig)
     : right_from_left_(rig.right_from_left()),
-      focal_px_(0.5 * (rig.cameras[1].fx + rig.cameras[1].fy)) {
+      focal_px_(0.5 * rig.cameras[1].CentralFocal().sum()) {
   essential_ = Skew(right_from_left_.translation) * right_from_left_.rotation.toRotationMatrix();
 }
 

@@ -1,67 +1,80 @@
 #include "gluevo/vo/io/dataset.h"
 
 #include <algorithm>
-#include <cctype>
-#include <fstream>
 #include <iterator>
-#include <opencv2/imgcodecs.hpp>
+#include <system_error>
 
 #include "dataset_formats.h"
+#include "foreign_input.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::vo {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<unsigned char> ReadBytes(const fs::path& path) {
-  CheckImageFile(path);
-  std::ifstream file(path, std::ios::binary);
-  std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (!file) {
-    throw Error(path.string() + ": cannot be read");
-  }
-  return bytes;
-}
-
-/// Decoders fill the rest of a JPEG file that is cut off with gray and call it read.
-bool IsCutOffJpeg(const std::vector<unsigned char>& bytes) {
-  constexpr std::array<unsigned char, 2> kBegin = {0xFF, 0xD8};
-  constexpr std::array<unsigned char, 2> kEnd = {0xFF, 0xD9};
-  return bytes.size() >= kBegin.size() && std::equal(kBegin.begin(), kBegin.end(), bytes.begin()) &&
-         std::find_end(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end()) == bytes.end();
-}
-
-cv::Mat ReadGray(const fs::path& path) {
-  const std::vector<unsigned char> bytes = ReadBytes(path);
-  cv::Mat image;
-  if (!bytes.empty() && !IsCutOffJpeg(bytes)) {
-    try {
-      image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    } catch (const cv::Exception&) {
-      image.release();
-    }
-  }
-  if (image.empty() || image.type() != CV_8UC1) {
-    throw Error(path.string() + ": not an image, or cut off");
-  }
-  return image;
-}
-
 struct Format {
-  DatasetFormat name;
   bool (*is)(const fs::path& root);
   Dataset (*open)(const fs::path& root, const DatasetOptions& options);
+  DatasetFormat name;
   bool takes_calibration;
 };
 
 // In the order in which they are recognised.
 constexpr Format kFormats[] = {
-    {DatasetFormat::kEuroc, &IsEuroc, &OpenEuroc, true},
-    {DatasetFormat::kKittiOdometry, &IsKittiOdometry, &OpenKittiOdometry, false},
-    {DatasetFormat::kKittiRaw, &IsKittiRaw, &OpenKittiRaw, false},
-    {DatasetFormat::kPlain, &IsPlain, &OpenPlain, true},
+    {&IsEuroc, &OpenEuroc, DatasetFormat::kEuroc, true},
+    {&IsKittiOdometry, &OpenKittiOdometry, DatasetFormat::kKittiOdometry, false},
+    {&IsKittiRaw, &OpenKittiRaw, DatasetFormat::kKittiRaw, false},
+    {&IsPlain, &OpenPlain, DatasetFormat::kPlain, true},
 };
+
+// Of folders that nobody named, and that may not be ours to read.
+bool IsDataset(const fs::path& folder) {
+  try {
+    return fs::is_directory(folder) &&
+           std::any_of(std::begin(kFormats), std::end(kFormats),
+                       [&](const Format& format) { return format.is(folder); });
+  } catch (const std::exception&) {
+    return false;
+  }
+}
+
+std::vector<fs::path> SortedEntries(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code code;
+  for (auto entry = fs::directory_iterator(folder, code);
+       !code && entry != fs::directory_iterator(); entry.increment(code)) {
+    entries.push_back(entry->path());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+// The data set that was meant, where it lies in the folder that was named, or that one in it.
+std::string DidYouMean(const fs::path& root) {
+  std::vector<fs::path> folders = SortedEntries(root);
+  const std::size_t below = folders.size();
+  // Collections have a few folders of sequences.
+  constexpr std::size_t kMostSearched = 30;
+  for (std::size_t i = 0; i < std::min(below, kMostSearched); ++i) {
+    const std::vector<fs::path> inner = SortedEntries(folders[i]);
+    folders.insert(
+        folders.end(), inner.begin(),
+        inner.begin() + static_cast<std::ptrdiff_t>(std::min(inner.size(), kMostSearched)));
+  }
+  const fs::path above = FolderPath(root).parent_path();
+  folders.push_back(above);
+  folders.push_back(above.parent_path());
+  folders.push_back(above.parent_path().parent_path());
+  for (const fs::path& folder : folders) {
+    const bool hidden = folder.filename().string().starts_with('.');
+    if (!hidden && folder != folder.root_path() && IsDataset(folder)) {
+      return "; did you mean " + folder.string() + "?";
+    }
+  }
+  return "";
+}
 
 const Format& FormatOf(const fs::path& root, const DatasetOptions& options) {
   const auto* const found =
@@ -72,13 +85,51 @@ const Format& FormatOf(const fs::path& root, const DatasetOptions& options) {
     throw Error(root.string() +
                 ": no data set that is known: looked for mav0 or cam0/data.csv (EuRoC, TUM-VI), "
                 "image_0 and calib.txt (KITTI odometry), image_00/data (KITTI raw), left and "
-                "right, cam0 and cam1 or image_0 and image_1 (plain)");
+                "right, cam0 and cam1 or image_0 and image_1 (plain)" +
+                DidYouMean(root) + ForeignFilesIn(root));
   }
   return *found;
 }
 
+void CheckIsFolder(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::exists(path, ignored) && !fs::is_directory(path, ignored)) {
+    throw Error(path.string() + ": " + WhatFileIs(path) +
+                ", not a folder: a data set is a folder of images (extract those of a recording or "
+                "an archive first)");
+  }
+  CheckFolder(path, "data set");
+}
+
+// Looked at are all images, whichever are chosen: the same bits for each choice.
+void LookAtImages(Dataset& dataset) {
+  std::vector<fs::path> images;
+  images.reserve(2 * dataset.entries.size());
+  for (const Dataset::Entry& entry : dataset.entries) {
+    images.insert(images.end(), entry.images.begin(), entry.images.end());
+  }
+  dataset.gray_bits = GrayBits(images);
+  constexpr int kAllBits = 16;
+  if (dataset.gray_bits < kAllBits) {
+    dataset.notes.push_back("the 16-bit images hold values of " +
+                            std::to_string(dataset.gray_bits) +
+                            " bits, which are taken for the whole range from black to white");
+  }
+  for (std::size_t i = 0; i < std::min<std::size_t>(images.size(), 2); ++i) {
+    if (ImageOrientation(images[i]) != 1) {
+      dataset.notes.push_back(images[i].string() +
+                              ": the file asks to be turned (EXIF), which is never done: a "
+                              "calibration is of images as they are stored");
+      return;
+    }
+  }
+}
+
 Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
   const Format& format = FormatOf(root, options);
+  if (options.rate_hz && format.name != DatasetFormat::kPlain) {
+    throw Error(root.string() + ": has its own times: --rate is for plain data sets without any");
+  }
   if (options.calibration && !format.takes_calibration) {
     throw Error(root.string() +
                 ": a KITTI data set has its own calibration: --calibration is for plain (--format "
@@ -101,6 +152,15 @@ void DatasetOptions::Validate() const {
     throw Error("stride " + std::to_string(stride) +
                 " is out of range: expected at least 1 (--stride)");
   }
+  if (rate_hz && !(*rate_hz > 0.0 && *rate_hz <= 1e6)) {
+    throw Error("rate " + std::to_string(*rate_hz) +
+                " is out of range: expected images a second, above 0 (--rate)");
+  }
+  constexpr double kLongest = 1e6;
+  if (pair_tolerance_s && !(*pair_tolerance_s >= 0.0 && *pair_tolerance_s <= kLongest)) {
+    throw Error("pair tolerance " + std::to_string(*pair_tolerance_s) +
+                " is out of range: expected seconds, at least 0 (--pair-tolerance)");
+  }
 }
 
 StereoFrame Dataset::Read(std::size_t index) const {
@@ -108,13 +168,12 @@ StereoFrame Dataset::Read(std::size_t index) const {
   StereoFrame frame;
   frame.timestamp_ns = entry.timestamp_ns;
   for (std::size_t side = 0; side < 2; ++side) {
-    frame.images[side] = ReadGray(entry.images[side]);
+    frame.images[side] = ReadGrayImage(entry.images[side], gray_bits).pixels;
     const cv::Mat& image = frame.images[side];
     const Camera& camera = rig.cameras[side];
     if (image.cols != camera.width || image.rows != camera.height) {
-      throw Error(entry.images[side].string() + ": an image of " + std::to_string(image.cols) +
-                  " x " + std::to_string(image.rows) + " pixels, expected " +
-                  std::to_string(camera.width) + " x " + std::to_string(camera.height));
+      throw Error(
+          WrongSizeMessage(entry.images[side], {image.cols, image.rows}, camera, calibration));
     }
   }
   return frame;
@@ -122,12 +181,13 @@ StereoFrame Dataset::Read(std::size_t index) const {
 
 Dataset OpenDataset(const fs::path& path, const DatasetOptions& options) {
   options.Validate();
-  CheckFolder(path, "data set");
+  CheckIsFolder(path);
   Dataset dataset = OpenAll(path, options);
-  dataset.rig.Validate(path.string());
+  LookAtImages(dataset);
   if (dataset.entries.empty()) {
     throw Error(path.string() + ": a data set without a stereo pair");
   }
+  CheckCalibration(dataset);
   if (static_cast<std::size_t>(options.start) >= dataset.entries.size()) {
     throw Error("first frame " + std::to_string(options.start) + " is beyond the last, " +
                 std::to_string(dataset.entries.size() - 1) + ", of " + path.string() +
@@ -157,33 +217,23 @@ void CheckFolder(const fs::path& folder, const std::string& what) {
   }
 }
 
-void CheckImageFile(const fs::path& file) {
-  if (!fs::is_regular_file(file)) {
-    throw Error(file.string() + ": no such image");
-  }
+std::array<int, 2> ImageSize(const fs::path& file) {
+  const cv::Mat image = ReadGrayImage(file).pixels;
+  return {image.cols, image.rows};
 }
 
-std::vector<fs::path> ListImages(const fs::path& folder) {
-  constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".pgm", ".bmp", ".tif", ".tiff"};
-  std::vector<fs::path> images;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    std::string extension = entry.path().extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    const bool hidden = entry.path().filename().string().starts_with('.');
-    if (!hidden && entry.is_regular_file() &&
-        std::find(std::begin(kExtensions), std::end(kExtensions), extension) !=
-            std::end(kExtensions)) {
-      images.push_back(entry.path());
+std::array<int, 2> FirstImageSize(const Dataset& dataset) {
+  constexpr std::size_t kTried = 100;
+  std::string message;
+  for (std::size_t i = 0; i < std::min(kTried, dataset.entries.size()); ++i) {
+    try {
+      return ImageSize(dataset.entries[i].images[0]);
+    } catch (const Error& error) {
+      message = message.empty() ? error.what() : message;
     }
   }
-  std::sort(images.begin(), images.end());
-  return images;
-}
-
-std::array<int, 2> ImageSize(const fs::path& file) {
-  const cv::Mat image = ReadGray(file);
-  return {image.cols, image.rows};
+  throw Error("none of the first " + std::to_string(std::min(kTried, dataset.entries.size())) +
+              " left images can be read: " + message);
 }
 
 fs::path FolderPath(const fs::path& folder) {

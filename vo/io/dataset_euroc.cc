@@ -1,12 +1,15 @@
 // EuRoC's ASL layout (Burri et al. 2016), and TUM-VI, which uses it with equidistant cameras.
 
-#include <map>
+#include <algorithm>
+#include <set>
+#include <system_error>
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/trajectory_file.h"
+#include "groundtruth.h"
+#include "image_pairs.h"
+#include "stamp_unit.h"
 #include "text_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -17,43 +20,99 @@ fs::path Mav0(const fs::path& root) {
   return fs::is_directory(root / "mav0") ? root / "mav0" : root;
 }
 
-// File names by time, as data.csv lists them.
-std::map<int64_t, fs::path> ListCamera(const fs::path& camera_folder) {
-  CheckFolder(camera_folder, "a camera of a EuRoC data set");
-  const fs::path csv = camera_folder / "data.csv";
-  std::map<int64_t, fs::path> images;
-  for (const TextLine& line : ReadLines(csv, /*skip_comments=*/true)) {
+struct Row {
+  TextLine line;
+  std::string time;
+  std::string image;
+};
+
+std::vector<Row> ReadRows(const fs::path& csv) {
+  std::vector<Row> rows;
+  for (const TextLine& line : ReadTable(csv)) {
     const auto fields = SplitFields(line.text, ',');
-    const auto timestamp_ns = ParseInteger(fields[0]);
-    if (fields.size() < 2 || !timestamp_ns || fields[1].empty()) {
+    if (fields.size() < 2 || !ParseNumber(fields[0]) || fields[1].empty()) {
       throw Error(At(csv, line) + ": expected \"timestamp [ns],filename\"");
     }
-    const fs::path image = camera_folder / "data" / std::string(fields[1]);
-    CheckImageFile(image);
-    if (!images.emplace(*timestamp_ns, image).second) {
-      throw Error(At(csv, line) + ": the time " + std::to_string(*timestamp_ns) +
-                  " is there twice");
+    rows.push_back({line, std::string(fields[0]), std::string(fields[1])});
+  }
+  return rows;
+}
+
+// Nanoseconds, but where the times are none: people who write such files heed no more than names.
+StampUnit UnitOf(const std::vector<Row>& rows) {
+  std::vector<int64_t> integers;
+  double largest = 0.0;
+  for (const Row& row : rows) {
+    largest = std::max(largest, ParseNumber(row.time).value_or(0.0));
+    if (const std::optional<int64_t> integer = ParseInteger(row.time)) {
+      integers.push_back(*integer);
     }
   }
+  if (integers.size() < rows.size()) {
+    return UnitOfDecimals(largest);
+  }
+  constexpr StampUnit kNanoseconds = 9;
+  constexpr int64_t kShortestMicroseconds = 5000;
+  const int64_t step = MedianStep(integers);
+  return UnitSince1970(integers).value_or(step < kShortestMicroseconds ? kNanoseconds
+                                                                       : UnitOfStep(step));
+}
+
+// The images that data.csv lists, in the order of their times; those that are missing are counted.
+std::vector<KeyedImage> ListCamera(const fs::path& camera_folder, Dataset& dataset) {
+  CheckFolder(camera_folder, "a camera of a EuRoC data set");
+  const fs::path csv = camera_folder / "data.csv";
+  std::vector<KeyedImage> images;
+  std::vector<fs::path> missing;
+  std::set<int64_t> times;
+  const std::vector<Row> rows = ReadRows(csv);
+  const StampUnit unit = UnitOf(rows);
+  constexpr StampUnit kNanoseconds = 9;
+  if (unit != kNanoseconds) {
+    dataset.notes.push_back("the times in " + csv.string() + " are in " + UnitName(unit));
+  }
+  for (const Row& row : rows) {
+    const auto timestamp_ns = DecimalInNanoseconds(row.time, unit);
+    if (!timestamp_ns) {
+      throw Error(At(csv, row.line) + ": " + Quoted(row.time) + " is not a time in " +
+                  UnitName(unit));
+    }
+    if (!times.insert(*timestamp_ns).second) {
+      const bool few_digits = row.time.find_first_of("eE") != std::string::npos;
+      throw Error(At(csv, row.line) + ": the time " + row.time + " is there twice" +
+                  (few_digits ? ": it has too few digits, expected all of them" : ""));
+    }
+    const fs::path image = camera_folder / "data" / row.image;
+    std::error_code ignored;
+    if (fs::is_regular_file(image, ignored)) {
+      images.push_back({*timestamp_ns, image});
+    } else {
+      missing.push_back(image);
+    }
+  }
+  if (images.empty() && !missing.empty()) {
+    throw Error(missing.front().string() + ": no such image, and none of the others that " +
+                csv.string() + " names");
+  }
+  if (!missing.empty()) {
+    dataset.images_left_out += static_cast<int>(missing.size());
+    dataset.warnings.push_back(std::to_string(missing.size()) + " images that " + csv.string() +
+                               " names are missing (the first is " + missing.front().string() +
+                               ")");
+  }
+  std::sort(images.begin(), images.end(),
+            [](const KeyedImage& a, const KeyedImage& b) { return a.key < b.key; });
   return images;
 }
 
-StereoRig ReadRig(const fs::path& mav0) {
-  const fs::path sensor_files[] = {mav0 / "cam0" / "sensor.yaml", mav0 / "cam1" / "sensor.yaml"};
+std::vector<fs::path> OwnCalibration(const fs::path& mav0) {
+  const fs::path sensor_file = mav0 / "cam0" / "sensor.yaml";
   // TUM-VI's.
   const fs::path camchain = FolderPath(mav0).parent_path() / "dso" / "camchain.yaml";
-  if (!fs::exists(sensor_files[0]) && fs::exists(camchain)) {
-    return RigFromCamchain(camchain);
+  if (!fs::exists(sensor_file) && fs::exists(camchain)) {
+    return {camchain};
   }
-  StereoRig rig;
-  rig.body_frame = "imu (body)";
-  for (std::size_t side = 0; side < 2; ++side) {
-    const fs::path& file = sensor_files[side];
-    const YAML::Node node = ReadYaml(file);
-    rig.cameras[side] = CameraFromYaml(node, file);
-    rig.body_from_cam[side] = RigidFromRows(YamlNumbers(node, "T_BS", 0, file), "T_BS", file);
-  }
-  return rig;
+  return {sensor_file, mav0 / "cam1" / "sensor.yaml"};
 }
 
 }  // namespace
@@ -68,29 +127,22 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   Dataset dataset;
   dataset.root = root;
   dataset.format = DatasetFormat::kEuroc;
-  const std::map<int64_t, fs::path> left = ListCamera(mav0 / "cam0");
-  const std::map<int64_t, fs::path> right = ListCamera(mav0 / "cam1");
-  dataset.rig = options.calibration ? RigFromCalibration(*options.calibration) : ReadRig(mav0);
+  const std::array<std::vector<KeyedImage>, 2> images = {ListCamera(mav0 / "cam0", dataset),
+                                                         ListCamera(mav0 / "cam1", dataset)};
   // A few images of either camera have no mate in the published sequences: they are left out.
-  for (const auto& [timestamp_ns, image] : left) {
-    if (const auto mate = right.find(timestamp_ns); mate != right.end()) {
-      dataset.entries.push_back({timestamp_ns, {image, mate->second}});
-    }
+  const ImagePairs pairs = PairImages(images, PairTolerance(images, options), "time");
+  for (const ImagePair& pair : pairs.pairs) {
+    dataset.entries.push_back({pair.images[0].key, {pair.images[0].path, pair.images[1].path}});
   }
   if (dataset.entries.empty()) {
-    throw Error(mav0.string() + ": no image of cam0 has the same time as one of cam1");
+    throw Error(mav0.string() + ": no image of cam0 has the same time as one of cam1" +
+                HowFarApart(pairs, /*stamped=*/true));
   }
+  ReportPairs(pairs, /*stamped=*/true, dataset);
+  SetCalibration(options.calibration ? CalibrationFiles(options) : OwnCalibration(mav0), dataset);
   const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
                                             mav0 / "mocap0" / "data.csv"};
-  if (options.groundtruth) {
-    dataset.groundtruth = ReadTrajectory(*options.groundtruth);
-  } else {
-    for (const fs::path& candidate : candidates) {
-      if (!dataset.groundtruth && fs::exists(candidate)) {
-        dataset.groundtruth = ReadTrajectory(candidate);
-      }
-    }
-  }
+  AddGroundtruth(options, candidates, {}, dataset);
   return dataset;
 }
 

@@ -24,15 +24,24 @@ Dataset OpenKittiRaw(const std::filesystem::path& root, const DatasetOptions& op
 bool IsPlain(const std::filesystem::path& root);
 Dataset OpenPlain(const std::filesystem::path& root, const DatasetOptions& options);
 
+/// Gives a data set that has its entries the rig of calibration files, and their warnings.
+void SetCalibration(const std::vector<std::filesystem::path>& files, Dataset& dataset);
+/// Throws Error for a rig that cannot be, and where the images have another size than their
+/// cameras.
+void CheckCalibration(const Dataset& dataset);
+/// The message that an image has another size than its camera.
+std::string WrongSizeMessage(const std::filesystem::path& image, const std::array<int, 2>& size,
+                             const Camera& camera, const std::filesystem::path& calibration);
+/// The files that --calibration names; none where it is not given.
+std::vector<std::filesystem::path> CalibrationFiles(const DatasetOptions& options);
+
 /// Throws Error naming `what` unless the folder is there.
 void CheckFolder(const std::filesystem::path& folder, const std::string& what);
-/// Throws Error unless the file is there.
-void CheckImageFile(const std::filesystem::path& file);
-/// Image files (.png, .jpg, .jpeg, .pgm, .bmp, .tif, .tiff; hidden ones left out) of a folder in
-/// the order of names.
-std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder);
 /// Width and height of an image file. Throws Error where it cannot be read.
 std::array<int, 2> ImageSize(const std::filesystem::path& file);
+/// Width and height of the first left image that can be read. Throws Error naming the first one
+/// where none of the first 100 can.
+std::array<int, 2> FirstImageSize(const Dataset& dataset);
 /// Absolute and without a slash at its end, so that parent_path() is the folder above.
 std::filesystem::path FolderPath(const std::filesystem::path& folder);
 

@@ -20,6 +20,9 @@ int64_t CountOf(const H5Handle& space) {
 H5InputFile::H5InputFile(const std::filesystem::path& path) : path_(path) {
   const H5Session session;
   std::error_code code;
+  if (std::filesystem::is_directory(path, code)) {
+    throw Error(path.string() + ": a folder, expected an HDF5 file");
+  }
   if (!std::filesystem::is_regular_file(path, code)) {
     throw Error(path.string() + ": no such file");
   }
@@ -36,6 +39,11 @@ H5InputFile::~H5InputFile() {
 
 std::string H5InputFile::Place(const std::string& name) const {
   return path_.string() + ": " + Quoted(name);
+}
+
+bool H5InputFile::Has(const std::string& name) const {
+  const H5Session session;
+  return H5Lexists(file_.id(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 std::vector<std::string> H5InputFile::GroupsWith(const std::string& dataset) const {

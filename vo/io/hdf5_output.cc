@@ -1,13 +1,12 @@
 #include "gluevo/vo/io/hdf5_file.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <system_error>
 #include <utility>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
+#include "hdf5_output_driver.h"
 
 namespace gluevo::vo::internal {
 namespace {
@@ -56,20 +55,24 @@ std::string H5Reason() {
 }
 
 H5OutputFile::H5OutputFile(const std::filesystem::path& path)
-    : path_(path), place_(nn::PlaceForFile(path)), beside_(place_) {
+    : path_(path),
+      unfinished_(std::make_unique<nn::UnfinishedFile>(path)),
+      storage_(std::make_unique<H5OutputStorage>(unfinished_->descriptor())) {
   const H5Session session;
-  // The process id keeps two programs that write the same file apart.
-  beside_ += ".unfinished-" + std::to_string(::getpid());
-  file_ = H5Handle(H5Fcreate(beside_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  const H5Handle access(MakeOutputAccess(storage_.get()), H5Pclose);
+  file_ = H5Handle(
+      H5Fcreate(unfinished_->beside().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose);
   if (!file_.valid()) throw Error(path_.string() + ": cannot be written" + H5Reason());
 }
 
 H5OutputFile::~H5OutputFile() {
   const H5Session session;
-  if (!file_.valid()) return;
   file_.Close();
-  std::error_code ignored;
-  std::filesystem::remove(beside_, ignored);
+}
+
+std::string H5OutputFile::Reason() const {
+  if (storage_->error() == 0) return H5Reason();
+  return ": " + std::generic_category().message(storage_->error());
 }
 
 void H5OutputFile::CheckOpen() const {
@@ -100,7 +103,9 @@ void H5OutputFile::MakeGroup(const std::string& group, const std::string& datase
   H5Pset_obj_track_times(timeless.id(), false);
   const H5Handle made(
       H5Gcreate2(file_.id(), group.c_str(), parents.id(), timeless.id(), H5P_DEFAULT), H5Gclose);
-  if (!made.valid()) throw Error(place + " cannot be written" + H5Reason());
+  if (!made.valid() || storage_->error() != 0) {
+    throw Error(place + " cannot be written" + Reason());
+  }
 }
 
 void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>& shape,
@@ -142,9 +147,8 @@ void H5OutputFile::Write(const std::string& dataset, const std::vector<hsize_t>&
   const bool empty = std::find(shape.begin(), shape.end(), 0U) != shape.end();
   if (!made.valid() ||
       (!empty && H5Dwrite(made.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) ||
-      !made.Close()) {
-    throw Error(path_.string() + ": dataset " + Quoted(dataset) + " cannot be written" +
-                H5Reason());
+      !made.Close() || storage_->error() != 0) {
+    throw Error(path_.string() + ": dataset " + Quoted(dataset) + " cannot be written" + Reason());
   }
 }
 
@@ -161,9 +165,10 @@ void H5OutputFile::WriteTexts(const std::string& group,
     const H5Handle made(H5Acreate_by_name(file_.id(), group.c_str(), name.c_str(), type.id(),
                                           space.id(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                         H5Aclose);
-    if (!made.valid() || H5Awrite(made.id(), type.id(), static_cast<const void*>(&value)) < 0) {
+    if (!made.valid() || H5Awrite(made.id(), type.id(), static_cast<const void*>(&value)) < 0 ||
+        storage_->error() != 0) {
       throw Error(path_.string() + ": attribute " + Quoted(name) + " of group " + Quoted(group) +
-                  " cannot be written" + H5Reason());
+                  " cannot be written" + Reason());
     }
   }
 }
@@ -171,17 +176,11 @@ void H5OutputFile::WriteTexts(const std::string& group,
 void H5OutputFile::Finish() {
   const H5Session session;
   CheckOpen();
-  const bool flushed = H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) >= 0;
-  const std::string reason = flushed ? "" : H5Reason();
-  const bool closed = file_.Close();
-  std::error_code code;
-  if (flushed && closed) {
-    std::filesystem::rename(beside_, place_, code);
-    if (!code) return;
+  const bool is_closed = H5Fflush(file_.id(), H5F_SCOPE_GLOBAL) >= 0 && file_.Close();
+  if (!is_closed || storage_->error() != 0) {
+    throw Error(path_.string() + ": cannot be written" + Reason());
   }
-  std::error_code ignored;
-  std::filesystem::remove(beside_, ignored);
-  throw Error(path_.string() + ": cannot be written" + (code ? ": " + code.message() : reason));
+  unfinished_->Finish();
 }
 
 H5OutputPointer CreateH5(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/image_file.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -14,33 +15,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::map<std::size_t, fs::path> ListNumbered(const fs::path& folder) {
+std::vector<KeyedImage> ListNumbered(const fs::path& folder) {
   CheckFolder(folder, "a camera of a KITTI data set");
-  std::map<std::size_t, fs::path> images;
-  for (const fs::path& image : ListImages(folder)) {
+  std::vector<KeyedImage> images;
+  const std::vector<fs::path> files = ListImages(folder);
+  if (files.empty()) {
+    throw Error(NoImagesMessage(folder));
+  }
+  for (const fs::path& image : files) {
     const std::optional<int64_t> number = ParseInteger(image.stem().string());
-    if (!number || *number < 0) {
-      continue;
-    }
-    const auto [other, is_new] = images.emplace(static_cast<std::size_t>(*number), image);
-    if (!is_new) {
-      throw Error(image.string() + ": has the same number as " + other->second.string());
+    if (number && *number >= 0) {
+      images.push_back({*number, image});
     }
   }
   if (images.empty()) {
     throw Error(folder.string() + ": no images whose names are numbers");
   }
+  std::stable_sort(images.begin(), images.end(),
+                   [](const KeyedImage& a, const KeyedImage& b) { return a.key < b.key; });
   return images;
-}
-
-void CheckMates(const std::map<std::size_t, fs::path>& images,
-                const std::map<std::size_t, fs::path>& mates, const fs::path& mates_folder) {
-  for (const auto& [number, image] : images) {
-    if (!mates.contains(number)) {
-      throw Error((mates_folder / image.filename()).string() + ": no such image, the mate of " +
-                  image.string());
-    }
-  }
 }
 
 }  // namespace
@@ -106,16 +99,32 @@ StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std
   return rig;
 }
 
-std::vector<NumberedPair> ListNumberedPairs(const std::array<fs::path, 2>& folders) {
-  const std::map<std::size_t, fs::path> left = ListNumbered(folders[0]);
-  const std::map<std::size_t, fs::path> right = ListNumbered(folders[1]);
-  CheckMates(left, right, folders[1]);
-  CheckMates(right, left, folders[0]);
-  std::vector<NumberedPair> pairs;
-  for (const auto& [number, image] : left) {
-    pairs.push_back({number, {image, right.at(number)}});
+std::vector<ImagePair> ListNumberedPairs(const std::array<fs::path, 2>& folders, Dataset& dataset) {
+  const ImagePairs pairs =
+      PairImages({ListNumbered(folders[0]), ListNumbered(folders[1])}, 0, "number");
+  if (pairs.pairs.empty()) {
+    throw Error(folders[0].string() + ": no image has the same number as one in " +
+                folders[1].string());
   }
-  return pairs;
+  ReportPairs(pairs, /*stamped=*/false, dataset);
+  return pairs.pairs;
+}
+
+fs::path FindAbove(const fs::path& folder, const std::vector<fs::path>& files) {
+  constexpr int kFoldersAbove = 3;
+  fs::path place = FolderPath(folder);
+  for (int level = 0; level <= kFoldersAbove; ++level, place = place.parent_path()) {
+    for (const fs::path& file : files) {
+      if (fs::exists(place / file)) {
+        return place / file;
+      }
+    }
+  }
+  std::string names;
+  for (const fs::path& file : files) {
+    names += (names.empty() ? "" : " or ") + file.string();
+  }
+  throw Error(folder.string() + ": no " + names + " in it or in the three folders above it");
 }
 
 }  // namespace gluevo::vo

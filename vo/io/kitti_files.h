@@ -1,13 +1,13 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "image_pairs.h"
 
 // What KITTI's odometry sequences and raw drives share (Geiger et al. 2012 and 2013).
 namespace gluevo::vo {
@@ -35,15 +35,15 @@ class KittiCalibration {
 StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std::string, 2>& keys,
                        const std::array<int, 2>& size);
 
-/// A stereo pair by its number in KITTI's naming (000012.png).
-struct NumberedPair {
-  std::size_t number = 0;
-  std::array<std::filesystem::path, 2> images;
-};
+/// The pairs of two folders whose images' names are numbers, by these numbers; other files are left
+/// out, and images without a mate are counted (`dataset`). Throws Error naming a number that is
+/// there twice, a folder that is missing or has no images, and folders without a pair.
+std::vector<ImagePair> ListNumberedPairs(const std::array<std::filesystem::path, 2>& folders,
+                                         Dataset& dataset);
 
-/// The images of two folders whose names are numbers, in their order; other files are left out.
-/// Throws Error naming the image that is missing in either folder, a number that is there twice,
-/// and a folder that is missing or has no images.
-std::vector<NumberedPair> ListNumberedPairs(const std::array<std::filesystem::path, 2>& folders);
+/// The first of some files that is there, in the folder or in up to three above it. Throws Error
+/// naming them.
+std::filesystem::path FindAbove(const std::filesystem::path& folder,
+                                const std::vector<std::filesystem::path>& files);
 
 }  // namespace gluevo::vo

@@ -1,35 +1,36 @@
 #include "gluevo/vo/io/output_directory.h"
 
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 
 namespace gluevo::vo {
 
 void MakeOutputDirectory(const std::filesystem::path& directory) {
+  if (directory.empty()) {
+    throw Error("the folder for output has no name");
+  }
   std::error_code code;
   const auto status = std::filesystem::status(directory, code);
   if (std::filesystem::exists(status) && !std::filesystem::is_directory(status)) {
     throw Error(directory.string() + ": is a file; expected a folder for output");
   }
+  if (!std::filesystem::exists(status) && std::filesystem::is_symlink(directory, code)) {
+    throw Error(directory.string() +
+                ": is a link to what is not there; expected a folder for output");
+  }
   std::filesystem::create_directories(directory, code);
   if (code) {
     throw Error(directory.string() + ": cannot be made: " + code.message());
   }
-  std::string trial = (directory / ".gluevo-XXXXXX").string();
-  const int file = mkstemp(trial.data());
-  if (file < 0) {
-    throw Error(directory.string() +
-                ": no file can be made in it: " + std::generic_category().message(errno));
+  try {
+    nn::CheckPlaceForFile(directory / ".gluevo");
+  } catch (const Error& error) {
+    throw Error(directory.string() + ": no file can be made in it (" + error.what() + ")");
   }
-  close(file);
-  std::filesystem::remove(trial, code);
 }
 
 OutputDirectory::OutputDirectory(std::filesystem::path path)

@@ -75,6 +75,17 @@ std::optional<Decimal> ParseDecimal(std::string_view text) {
   return any_digit ? std::optional(decimal) : std::nullopt;
 }
 
+void CheckEncoding(std::string_view text, const std::filesystem::path& path) {
+  const auto zero = [&](std::size_t i) { return i < text.size() && text[i] == '\0'; };
+  const bool two_bytes = (zero(0) && zero(2)) || (zero(1) && zero(3));
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || two_bytes) {
+    throw Error(path.string() + ": text in UTF-16, expected UTF-8: save it as UTF-8");
+  }
+  if (text.find('\0') != std::string_view::npos) {
+    throw Error(path.string() + ": not a text file: it holds zero bytes");
+  }
+}
+
 }  // namespace
 
 std::string ReadText(const std::filesystem::path& path) {
@@ -95,8 +106,13 @@ std::string ReadText(const std::filesystem::path& path) {
   return text;
 }
 
-std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments) {
-  const std::string text = ReadText(path);
+bool IsComment(std::string_view line) {
+  return line.starts_with('#') || line.starts_with('%') || line.starts_with("//");
+}
+
+std::vector<TextLine> SplitLines(std::string_view text, const std::filesystem::path& path,
+                                 bool skip_comments) {
+  CheckEncoding(text, path);
   std::string_view rest = text;
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (rest.starts_with(kByteOrderMark)) {
@@ -106,7 +122,7 @@ std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_com
   for (int number = 1; !rest.empty(); ++number) {
     const std::size_t end = std::min(rest.find_first_of("\r\n"), rest.size());
     const std::string_view line = Trimmed(rest.substr(0, end));
-    if (!skip_comments || (!line.empty() && line.front() != '#')) {
+    if (!skip_comments || (!line.empty() && !IsComment(line))) {
       lines.push_back({number, std::string(line)});
     }
     rest.remove_prefix(end);
@@ -118,8 +134,52 @@ std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_com
   return lines;
 }
 
+std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments) {
+  return SplitLines(ReadText(path), path, skip_comments);
+}
+
+bool IsHeader(std::string_view line) {
+  std::string blanks(line);
+  std::replace_if(
+      blanks.begin(), blanks.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
+  const auto fields = SplitFields(blanks, ' ');
+  return std::none_of(fields.begin(), fields.end(),
+                      [](std::string_view field) { return ParseNumber(field).has_value(); });
+}
+
+std::vector<TextLine> ReadTable(const std::filesystem::path& path) {
+  std::vector<TextLine> lines = ReadLines(path, /*skip_comments=*/true);
+  const auto first = std::find_if(lines.begin(), lines.end(),
+                                  [](const TextLine& line) { return !IsHeader(line.text); });
+  // A table without any number keeps its lines, so that a message can name one.
+  if (first != lines.end()) {
+    lines.erase(lines.begin(), first);
+  }
+  return lines;
+}
+
 std::string At(const std::filesystem::path& path, const TextLine& line) {
   return path.string() + ":" + std::to_string(line.number);
+}
+
+char SeparatorOf(const std::filesystem::path& path, const TextLine& line) {
+  const std::string_view text = line.text;
+  const bool semicolon = text.find(';') != std::string_view::npos;
+  const std::size_t comma = text.find(',');
+  if (comma == std::string_view::npos) {
+    return semicolon ? ';' : ' ';
+  }
+  // Between commas that separate stands one number each: "1,5 2,3" and "1,5;2,3" have more.
+  const auto fields = SplitFields(text, ',');
+  const bool decimal_commas =
+      semicolon || std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+        const auto numbers = SplitFields(field, ' ');
+        return numbers.size() > 1 && ParseNumber(numbers[0]) && ParseNumber(numbers[1]);
+      });
+  if (decimal_commas) {
+    throw Error(At(path, line) + ": decimal commas, expected decimal points (1.5, not 1,5)");
+  }
+  return ',';
 }
 
 std::vector<std::string_view> SplitFields(std::string_view text, char separator) {
@@ -166,14 +226,13 @@ std::optional<int64_t> ParseInteger(std::string_view text) {
   return error == std::errc() && parsed == end ? std::optional(value) : std::nullopt;
 }
 
-std::optional<int64_t> ParseSeconds(std::string_view text) {
+std::optional<int64_t> ParseShifted(std::string_view text, int shift) {
   const std::optional<Decimal> decimal = ParseDecimal(text);
   if (!decimal) {
     return std::nullopt;
   }
-  constexpr int64_t kDecimalsOfNanoseconds = 9;
   const std::string& digits = decimal->digits;
-  const int64_t point = decimal->point + kDecimalsOfNanoseconds;
+  const int64_t point = decimal->point + shift;
   if (digits.empty() || point < 0) {
     return 0;
   }
@@ -194,6 +253,11 @@ std::optional<int64_t> ParseSeconds(std::string_view text) {
     return std::nullopt;
   }
   return decimal->negative ? -static_cast<int64_t>(value) : static_cast<int64_t>(value);
+}
+
+std::optional<int64_t> ParseSeconds(std::string_view text) {
+  constexpr int kDecimalsOfNanoseconds = 9;
+  return ParseShifted(text, kDecimalsOfNanoseconds);
 }
 
 }  // namespace gluevo::vo

@@ -9,8 +9,8 @@
 
 namespace gluevo::vo {
 
-/// A text file's lines with their numbers, without line ends (LF, CR LF or CR), a byte order mark
-/// at the start of the file and blanks around each line.
+/// A text's lines with their numbers, without line ends (LF, CR LF or CR), a byte order mark at the
+/// start of the text and blanks around each line.
 struct TextLine {
   int number = 0;  ///< From 1.
   std::string text;
@@ -19,12 +19,31 @@ struct TextLine {
 /// A file's contents. Throws Error naming the file where it cannot be read.
 std::string ReadText(const std::filesystem::path& path);
 
-/// All lines up to the last that is not blank; with `skip_comments` without blank ones and those
-/// that start with '#'. Throws Error where the file cannot be read.
+/// Whether a line is a comment: it starts with '#', '%' or "//".
+bool IsComment(std::string_view line);
+
+/// All lines up to the last that is not blank; with `skip_comments` without blank ones and
+/// comments. Throws Error naming `path` (which is not opened) where the text is UTF-16 or holds a
+/// zero byte, which no text does.
+std::vector<TextLine> SplitLines(std::string_view text, const std::filesystem::path& path,
+                                 bool skip_comments);
+
+/// The same of a file. Throws Error where it cannot be read, too.
 std::vector<TextLine> ReadLines(const std::filesystem::path& path, bool skip_comments);
+
+/// Whether no field of a line is a number: words, as in the first line of a table.
+bool IsHeader(std::string_view line);
+
+/// The rows of a table: lines without comments and without what precedes the first line that has a
+/// number in it. Throws Error as ReadLines.
+std::vector<TextLine> ReadTable(const std::filesystem::path& path);
 
 /// "FILE:LINE", for messages.
 std::string At(const std::filesystem::path& path, const TextLine& line);
+
+/// What separates the fields of a line of numbers: ';' or ',' where there is one, else ' '. Throws
+/// Error naming file and line where the commas are those of decimal numbers.
+char SeparatorOf(const std::filesystem::path& path, const TextLine& line);
 
 /// Fields between separators; a blank as separator stands for any run of blanks and tabs. Blanks
 /// around fields are dropped.
@@ -36,8 +55,12 @@ std::optional<double> ParseNumber(std::string_view text);
 /// A whole decimal integer.
 std::optional<int64_t> ParseInteger(std::string_view text);
 
-/// Decimal seconds, also as 1.5e+09, in nanoseconds: exact (rounded to the nearest) for as many
-/// digits as the text has. Nothing for other text and for times beyond 292 years.
+/// A decimal number times ten to the power of `shift` as an integer: exact (rounded to the nearest)
+/// for as many digits as the text has. Nothing for other text and where an int64_t cannot hold it.
+std::optional<int64_t> ParseShifted(std::string_view text, int shift);
+
+/// Decimal seconds, also as 1.5e+09, in nanoseconds: ParseShifted by 9. Nothing for other text
+/// and for times beyond 292 years.
 std::optional<int64_t> ParseSeconds(std::string_view text);
 
 }  // namespace gluevo::vo

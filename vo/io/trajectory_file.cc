@@ -1,254 +1,286 @@
 #include "gluevo/vo/io/trajectory_file.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
-#include <cstdio>
-#include <iomanip>
-#include <sstream>
+#include <cctype>
+#include <cmath>
+#include <limits>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/nn/output_file.h"
 #include "text_file.h"
+#include "trajectory_layout.h"
+#include "trajectory_times.h"
 
 namespace gluevo::vo {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kTumFields = 8;
-constexpr std::size_t kEurocFields = 8;
 constexpr std::size_t kKittiFields = 12;
+constexpr int64_t kSecondNs = 1'000'000'000;
 
-std::vector<TextLine> ReadDataLines(const fs::path& path) {
-  std::vector<TextLine> lines = ReadLines(path, /*skip_comments=*/true);
-  if (lines.empty()) {
-    throw Error(path.string() + ": an empty trajectory");
+/// What trackers write where they have no pose: "nan", "-inf", "1.#QNAN", "None", or nothing.
+bool IsNoValue(std::string_view field) {
+  std::string word;
+  for (const char c : field) {
+    word.push_back(static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
   }
-  return lines;
+  if (word.starts_with('-') || word.starts_with('+')) {
+    word.erase(0, 1);
+  }
+  return word.empty() || word.starts_with("nan") || word == "inf" || word == "infinity" ||
+         word.starts_with("1.#") || word == "none" || word == "null";
 }
 
-TrajectoryFormat FormatOf(const fs::path& path, const TextLine& line) {
-  if (SplitFields(line.text, ',').size() >= kEurocFields) {
-    return TrajectoryFormat::kEuroc;
+/// Counts of what is not as it should be, each with the line where it is first.
+struct Oddities {
+  struct Count {
+    std::size_t rows = 0;
+    int first_line = 0;
+    void Add(int line) { first_line = rows++ == 0 ? line : first_line; }
+  };
+  Count no_pose;
+  Count zeros;
+  Count not_normalized;
+  /// Lengths of the quaternions that are not normalized.
+  double shortest = std::numeric_limits<double>::infinity();
+  double longest = 0.0;
+};
+
+double ParseField(const fs::path& path, const TextLine& line, std::string_view field) {
+  const std::optional<double> value = ParseNumber(field);
+  if (!value) {
+    throw Error(At(path, line) + ": " + Quoted(field) + " is not a finite number");
   }
-  const std::size_t fields = SplitFields(line.text, ' ').size();
-  if (fields == kKittiFields) {
-    return TrajectoryFormat::kKitti;
-  }
-  if (fields == kTumFields) {
-    return TrajectoryFormat::kTum;
-  }
-  throw Error(At(path, line) +
-              ": not a trajectory: expected 8 numbers (TUM: t x y z qx qy qz qw), " +
-              "12 (KITTI) or 8 or more between commas (EuRoC)");
+  return *value;
 }
 
-template <std::size_t kCount>
-std::array<double, kCount> ParseNumbers(const fs::path& path, const TextLine& line,
-                                        const std::vector<std::string_view>& fields,
-                                        std::size_t first) {
-  std::array<double, kCount> values;
-  for (std::size_t i = 0; i < kCount; ++i) {
-    const auto value = ParseNumber(fields[first + i]);
-    if (!value) {
-      throw Error(At(path, line) + ": " + Quoted(fields[first + i]) + " is not a finite number");
-    }
-    values[i] = *value;
+Eigen::Quaterniond ParseQuaternion(const fs::path& path, const TextLine& line,
+                                   const Eigen::Quaterniond& q, Oddities& oddities) {
+  constexpr double kTolerance = 0.01;
+  // What is further off is rarely a quaternion.
+  constexpr double kShortest = 0.1;
+  constexpr double kLongest = 10.0;
+  const double length = q.norm();
+  if (!(length >= kShortest && length <= kLongest)) {
+    throw Error(At(path, line) + ": a quaternion of length " + std::to_string(length) +
+                ", expected 1: are the columns in another order?");
   }
-  return values;
-}
-
-Eigen::Quaterniond CheckedQuaternion(const fs::path& path, const TextLine& line,
-                                     const Eigen::Quaterniond& q) {
-  if (std::abs(q.norm() - 1.0) > 0.01) {
-    throw Error(At(path, line) + ": a quaternion of length " + std::to_string(q.norm()) +
-                ", expected 1");
+  if (std::abs(length - 1.0) > kTolerance) {
+    oddities.not_normalized.Add(line.number);
+    oddities.shortest = std::min(oddities.shortest, length);
+    oddities.longest = std::max(oddities.longest, length);
   }
   return q.normalized();
 }
 
-void CheckOrder(const fs::path& path, const TextLine& line, const Trajectory& trajectory,
-                int64_t timestamp_ns) {
-  if (!trajectory.empty() && timestamp_ns <= trajectory.back().timestamp_ns) {
-    throw Error(At(path, line) + ": a time that is not after the one before");
+std::optional<int64_t> ParseTime(const PoseColumns& columns,
+                                 const std::vector<std::string_view>& fields, TimeUnit unit) {
+  const std::optional<int64_t> time = ParseShifted(fields[columns.time], static_cast<int>(unit));
+  if (!columns.nanoseconds) {
+    return time;
   }
+  const std::optional<int64_t> rest = ParseInteger(fields[*columns.nanoseconds]);
+  const bool valid = time && rest && *rest >= 0 && *rest < kSecondNs &&
+                     *time <= std::numeric_limits<int64_t>::max() - *rest;
+  return valid ? std::optional(*time + *rest) : std::nullopt;
 }
 
-Trajectory ReadTum(const fs::path& path, const std::vector<TextLine>& lines) {
-  Trajectory trajectory;
-  for (const TextLine& line : lines) {
-    const auto fields = SplitFields(line.text, ' ');
-    if (fields.size() != kTumFields) {
-      throw Error(At(path, line) + ": " + std::to_string(fields.size()) +
-                  " fields, expected 8: t x y z qx qy qz qw");
-    }
-    const auto timestamp_ns = ParseSeconds(fields[0]);
-    if (!timestamp_ns) {
-      throw Error(At(path, line) + ": " + Quoted(fields[0]) + " is not a time in seconds");
-    }
-    CheckOrder(path, line, trajectory, *timestamp_ns);
-    const auto v = ParseNumbers<7>(path, line, fields, 1);
-    trajectory.push_back(
-        {*timestamp_ns,
-         {CheckedQuaternion(path, line, {v[6], v[3], v[4], v[5]}), {v[0], v[1], v[2]}}});
-  }
-  return trajectory;
+/// "12.5 lost", or a time alone.
+bool IsWithoutPose(const std::vector<std::string_view>& fields) {
+  return fields.size() == 1 ||
+         std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+           return !field.empty() && std::isalpha(static_cast<unsigned char>(field.front())) != 0;
+         });
 }
 
-Trajectory ReadEuroc(const fs::path& path, const std::vector<TextLine>& lines) {
-  Trajectory trajectory;
-  for (const TextLine& line : lines) {
-    const auto fields = SplitFields(line.text, ',');
-    if (fields.size() < kEurocFields) {
-      throw Error(At(path, line) + ": " + std::to_string(fields.size()) +
-                  " fields, expected at least 8: t[ns],x,y,z,qw,qx,qy,qz");
+/// The pose of a row of a table; nothing where it has none.
+std::optional<PoseRow> ParseRow(const fs::path& path, const TextLine& line,
+                                const TrajectoryLayout& layout, TimeUnit unit, Oddities& oddities) {
+  const auto fields = SplitFields(line.text, layout.separator);
+  const PoseColumns& columns = layout.columns;
+  if (fields.size() < columns.Count()) {
+    if (IsWithoutPose(fields)) {
+      oddities.no_pose.Add(line.number);
+      return std::nullopt;
     }
-    const auto timestamp_ns = ParseInteger(fields[0]);
-    if (!timestamp_ns) {
-      throw Error(At(path, line) + ": " + Quoted(fields[0]) + " is not a time in nanoseconds");
-    }
-    CheckOrder(path, line, trajectory, *timestamp_ns);
-    const auto v = ParseNumbers<7>(path, line, fields, 1);
-    trajectory.push_back(
-        {*timestamp_ns,
-         {CheckedQuaternion(path, line, {v[3], v[4], v[5], v[6]}), {v[0], v[1], v[2]}}});
-  }
-  return trajectory;
-}
-
-Rigid3 ParseKittiPose(const fs::path& path, const TextLine& line) {
-  const auto fields = SplitFields(line.text, ' ');
-  if (fields.size() != kKittiFields) {
     throw Error(At(path, line) + ": " + std::to_string(fields.size()) +
-                " fields, expected 12: the rows of [R | t]");
+                " fields, expected at least " + std::to_string(columns.Count()) + ": " +
+                layout.description);
   }
-  const auto v = ParseNumbers<kKittiFields>(path, line, fields, 0);
-  const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
-  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
-  if ((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01 ||
-      rotation.determinant() < 0.0) {
-    throw Error(At(path, line) + ": the first 3 x 3 numbers are not a rotation");
+  const auto no_value = [&](std::size_t column) { return IsNoValue(fields[column]); };
+  if (no_value(columns.time) ||
+      std::any_of(columns.position.begin(), columns.position.end(), no_value) ||
+      std::any_of(columns.rotation.begin(), columns.rotation.end(), no_value)) {
+    oddities.no_pose.Add(line.number);
+    return std::nullopt;
   }
-  return {Eigen::Quaterniond(rotation).normalized(), matrix.col(3)};
+  const std::optional<int64_t> timestamp_ns = ParseTime(columns, fields, unit);
+  if (!timestamp_ns) {
+    throw Error(At(path, line) + ": " + Quoted(fields[columns.time]) + " is not a time in " +
+                NameOf(unit));
+  }
+  const auto number = [&](std::size_t column) { return ParseField(path, line, fields[column]); };
+  const auto& [x, y, z] = columns.position;
+  const auto& [qx, qy, qz, qw] = columns.rotation;
+  const Eigen::Vector3d translation =
+      columns.metres * Eigen::Vector3d(number(x), number(y), number(z));
+  const Eigen::Quaterniond rotation(number(qw), number(qx), number(qy), number(qz));
+  if (rotation.coeffs().isZero(0.0)) {
+    oddities.zeros.Add(line.number);
+    return std::nullopt;
+  }
+  return PoseRow{line.number,
+                 {*timestamp_ns, {ParseQuaternion(path, line, rotation, oddities), translation}}};
 }
 
-// poses/NN.txt belongs to sequences/NN/times.txt in KITTI's layout.
-std::optional<fs::path> FindKittiTimes(const fs::path& path) {
-  const fs::path times =
-      fs::absolute(path).parent_path().parent_path() / "sequences" / path.stem() / "times.txt";
-  return fs::exists(times) ? std::optional(times) : std::nullopt;
+/// What a program that was killed leaves: too few numbers, or, without a line end, a part of one.
+bool IsCutOff(const fs::path& path, const TextLine& line, const TrajectoryLayout& layout,
+              TimeUnit unit, bool has_no_end) {
+  const auto fields = SplitFields(line.text, layout.separator);
+  if (fields.size() < layout.columns.Count() && !IsWithoutPose(fields)) {
+    return true;
+  }
+  if (!has_no_end) {
+    return false;
+  }
+  try {
+    Oddities oddities;
+    ParseRow(path, line, layout, unit, oddities);
+    return oddities.not_normalized.rows > 0;
+  } catch (const Error&) {
+    return true;
+  }
 }
 
-std::string FormatSeconds(int64_t nanoseconds) {
-  constexpr int64_t kSecond = 1'000'000'000;
-  const bool negative = nanoseconds < 0;
-  const uint64_t magnitude = negative ? uint64_t{0} - static_cast<uint64_t>(nanoseconds)
-                                      : static_cast<uint64_t>(nanoseconds);
-  char text[32];
-  std::snprintf(text, sizeof(text), "%s%llu.%09llu", negative ? "-" : "",
-                static_cast<unsigned long long>(magnitude / kSecond),
-                static_cast<unsigned long long>(magnitude % kSecond));
-  return text;
+/// Quaternions that are all of another length, and each of its own, are other numbers.
+void CheckLengths(const fs::path& path, std::size_t rows, const Oddities& oddities) {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kSpread = 1.1;
+  if (rows >= kFewest && oddities.not_normalized.rows == rows &&
+      oddities.longest > kSpread * oddities.shortest) {
+    throw Error(path.string() + ":" + std::to_string(oddities.not_normalized.first_line) +
+                ": no quaternion of the file has length 1 (" + std::to_string(oddities.shortest) +
+                " to " + std::to_string(oddities.longest) + "): are the columns in another order?");
+  }
+}
+
+Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, TrajectoryLayout& layout,
+                      Oddities& oddities, std::vector<std::string>& notes) {
+  std::vector<std::string_view> times;
+  times.reserve(lines.rows.size());
+  for (const TextLine& line : lines.rows) {
+    const auto fields = SplitFields(line.text, layout.separator);
+    if (layout.columns.time < fields.size()) {
+      times.push_back(fields[layout.columns.time]);
+    }
+  }
+  const TimeUnit unit = layout.columns.nanoseconds
+                            ? TimeUnit::kSeconds
+                            : ChooseTimeUnit(times, layout.columns.unit.value_or(layout.unit));
+  if (unit != layout.columns.unit.value_or(layout.unit)) {
+    notes.push_back("times are taken as " + NameOf(unit) + ", by their digits and distances");
+  }
+  FitOrderToUnit(unit, layout, notes);
+  std::vector<PoseRow> rows;
+  rows.reserve(lines.rows.size());
+  for (const TextLine& line : lines.rows) {
+    const bool is_last = lines.rows.size() > 1 && &line == &lines.rows.back();
+    if (is_last && IsCutOff(path, line, layout, unit, !lines.is_ended)) {
+      notes.push_back("the last row (line " + std::to_string(line.number) +
+                      ") is cut off: left out");
+      continue;
+    }
+    if (const std::optional<PoseRow> row = ParseRow(path, line, layout, unit, oddities)) {
+      rows.push_back(*row);
+    }
+  }
+  CheckLengths(path, rows.size(), oddities);
+  return InOrderOfTime(path, std::move(rows), notes);
+}
+
+/// KITTI: row n at n seconds.
+Trajectory ParseMatrices(const fs::path& path, const TrajectoryLines& lines,
+                         const TrajectoryLayout& layout, Oddities& oddities) {
+  Trajectory trajectory;
+  trajectory.reserve(lines.rows.size());
+  int64_t row = -1;
+  for (const TextLine& line : lines.rows) {
+    ++row;
+    const auto fields = SplitFields(line.text, layout.separator);
+    if (fields.size() < kKittiFields) {
+      throw Error(At(path, line) + ": " + std::to_string(fields.size()) + " fields, expected " +
+                  layout.description);
+    }
+    if (std::any_of(fields.begin(), fields.begin() + kKittiFields, IsNoValue)) {
+      oddities.no_pose.Add(line.number);
+      continue;
+    }
+    std::array<double, kKittiFields> v;
+    std::transform(fields.begin(), fields.begin() + kKittiFields, v.begin(),
+                   [&](std::string_view field) { return ParseField(path, line, field); });
+    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
+    const Eigen::Matrix3d rotation = matrix.leftCols<3>();
+    if (rotation.isZero(0.0)) {
+      oddities.zeros.Add(line.number);
+      continue;
+    }
+    if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() <= 0.01) ||
+        rotation.determinant() < 0.0) {
+      throw Error(At(path, line) + ": the first 3 x 3 numbers are not a rotation");
+    }
+    trajectory.push_back(
+        {row * kSecondNs, {Eigen::Quaterniond(rotation).normalized(), matrix.col(3)}});
+  }
+  return trajectory;
+}
+
+std::string Rows(const Oddities::Count& count, const char* one, const char* many) {
+  return std::to_string(count.rows) + ' ' + (count.rows == 1 ? one : many) + " (first in line " +
+         std::to_string(count.first_line) + ")";
 }
 
 }  // namespace
 
+TrajectoryFile ParseTrajectory(std::string_view text, const fs::path& path) {
+  const TrajectoryLines lines = SplitTrajectoryLines(text, path);
+  TrajectoryFile file;
+  TrajectoryLayout layout = LayoutOf(path, lines, file.notes);
+  file.format = layout.format;
+  file.rows = lines.rows.size();
+  Oddities oddities;
+  file.poses = layout.format == TrajectoryFormat::kKitti
+                   ? ParseMatrices(path, lines, layout, oddities)
+                   : ParseTable(path, lines, layout, oddities, file.notes);
+  if (file.poses.empty()) {
+    throw Error(path.string() + ": a trajectory without a pose: " +
+                Rows(oddities.no_pose.rows > 0 ? oddities.no_pose : oddities.zeros, "row has",
+                     "rows have") +
+                " NaN, nothing or a quaternion of zeros in it");
+  }
+  if (oddities.no_pose.rows > 0) {
+    file.notes.push_back(Rows(oddities.no_pose, "row", "rows") +
+                         " of NaN, infinity, words or nothing left out");
+  }
+  if (oddities.zeros.rows > 0) {
+    file.notes.push_back(Rows(oddities.zeros, "row", "rows") +
+                         " whose rotation is all zeros left out");
+  }
+  if (oddities.not_normalized.rows > 0) {
+    file.notes.push_back(Rows(oddities.not_normalized, "quaternion is", "quaternions are") +
+                         " not of length 1: made so");
+  }
+  return file;
+}
+
 TrajectoryFormat RecognizeTrajectoryFormat(const fs::path& path) {
-  return FormatOf(path, ReadDataLines(path).front());
+  std::vector<std::string> notes;
+  return LayoutOf(path, SplitTrajectoryLines(ReadText(path), path), notes).format;
 }
 
-Trajectory ReadTrajectory(const fs::path& path, const std::optional<fs::path>& times) {
-  const std::vector<TextLine> lines = ReadDataLines(path);
-  switch (FormatOf(path, lines.front())) {
-    case TrajectoryFormat::kTum:
-      return ReadTum(path, lines);
-    case TrajectoryFormat::kEuroc:
-      return ReadEuroc(path, lines);
-    case TrajectoryFormat::kKitti:
-      break;
-  }
-  const std::optional<fs::path> times_file = times ? times : FindKittiTimes(path);
-  if (!times_file) {
-    throw Error(path.string() +
-                ": a KITTI file has no times: name its times.txt (--times), or keep it as "
-                "poses/NN.txt beside sequences/NN/times.txt");
-  }
-  return ReadKittiTrajectory(path, ReadTimes(*times_file));
-}
-
-Trajectory ReadKittiTrajectory(const fs::path& path, const std::vector<int64_t>& times_ns) {
-  const std::vector<TextLine> lines = ReadDataLines(path);
-  if (lines.size() != times_ns.size()) {
-    throw Error(path.string() + ": " + std::to_string(lines.size()) + " poses for " +
-                std::to_string(times_ns.size()) + " times, expected as many");
-  }
-  Trajectory trajectory;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    trajectory.push_back({times_ns[i], ParseKittiPose(path, lines[i])});
-  }
-  return trajectory;
-}
-
-Trajectory ReadKittiTrajectoryByRow(const fs::path& path) {
-  Trajectory trajectory;
-  for (const TextLine& line : ReadDataLines(path)) {
-    trajectory.push_back(
-        {static_cast<int64_t>(trajectory.size()) * 1'000'000'000, ParseKittiPose(path, line)});
-  }
-  return trajectory;
-}
-
-std::vector<int64_t> ReadTimes(const fs::path& path) {
-  std::vector<int64_t> times;
-  for (const TextLine& line : ReadLines(path, /*skip_comments=*/true)) {
-    const auto time = ParseSeconds(line.text);
-    if (!time) {
-      throw Error(At(path, line) + ": " + Quoted(line.text) + " is not a time in seconds");
-    }
-    if (!times.empty() && *time <= times.back()) {
-      throw Error(At(path, line) + ": a time that is not after the one before");
-    }
-    times.push_back(*time);
-  }
-  return times;
-}
-
-void WriteTrajectory(const fs::path& path, const Trajectory& trajectory, TrajectoryFormat format,
-                     const std::string& header) {
-  nn::WriteWholeFile(path, [&](std::ostream& out) {
-    // Enough digits that reading gives the same double.
-    out << std::setprecision(17);
-    if (format != TrajectoryFormat::kKitti) {
-      std::istringstream header_lines(header);
-      for (std::string line; std::getline(header_lines, line);) {
-        out << "# " << line << '\n';
-      }
-      out << (format == TrajectoryFormat::kTum ? "# t[s] x y z qx qy qz qw\n"
-                                               : "# t[ns],x,y,z,qw,qx,qy,qz\n");
-    }
-    for (const StampedPose& pose : trajectory) {
-      const Eigen::Vector3d& t = pose.world_from_body.translation;
-      const Eigen::Quaterniond& q = pose.world_from_body.rotation;
-      switch (format) {
-        case TrajectoryFormat::kTum:
-          out << FormatSeconds(pose.timestamp_ns) << ' ' << t.x() << ' ' << t.y() << ' ' << t.z()
-              << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
-          break;
-        case TrajectoryFormat::kEuroc:
-          out << pose.timestamp_ns << ',' << t.x() << ',' << t.y() << ',' << t.z() << ',' << q.w()
-              << ',' << q.x() << ',' << q.y() << ',' << q.z() << '\n';
-          break;
-        case TrajectoryFormat::kKitti: {
-          const Eigen::Matrix<double, 3, 4> matrix = pose.world_from_body.Matrix();
-          for (int i = 0; i < 12; ++i) {
-            out << (i > 0 ? " " : "") << matrix(i / 4, i % 4);
-          }
-          out << '\n';
-          break;
-        }
-      }
-    }
-  });
+TrajectoryFile ReadTrajectoryFile(const fs::path& path) {
+  return ParseTrajectory(ReadText(path), path);
 }
 
 }  // namespace gluevo::vo

@@ -1,6 +1,7 @@
 #include "yaml_file.h"
 
 #include <Eigen/LU>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,25 +15,68 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Matrices and camera files have some ten. Aliases could make a list endless.
+constexpr int kMostItems = 1000;
+constexpr int kDeepestList = 4;
+
+void AppendNumbers(const YAML::Node& item, const std::string& where, int depth, int& items,
+                   std::vector<double>& numbers) {
+  if (++items > kMostItems || depth > kDeepestList) {
+    throw Error(where + " is too long a list");
+  }
+  if (item.IsSequence()) {
+    for (const YAML::Node& inner : item) {
+      AppendNumbers(inner, where, depth + 1, items, numbers);
+    }
+    return;
+  }
+  const std::optional<double> number = item.IsScalar() ? ParseNumber(item.Scalar()) : std::nullopt;
+  if (!number) {
+    throw Error(where + " is not a list of finite numbers");
+  }
+  numbers.push_back(*number);
+}
+
+// The nearest rotation (in the sense of the Frobenius norm).
+Eigen::Matrix3d NearestRotation(const Eigen::Matrix3d& matrix) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return svd.matrixU() * svd.matrixV().transpose();
+}
+
 }  // namespace
 
-YAML::Node ReadYaml(const fs::path& path) {
-  std::string text = ReadText(path);
+YAML::Node ParseYaml(std::string text, const fs::path& path) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) {
+    text.erase(0, kByteOrderMark.size());
+  }
   // OpenCV's header is no YAML directive: read as a comment, it does no harm.
   if (text.starts_with("%YAML:")) {
     text.front() = '#';
   }
+  const bool is_json = text.find_first_not_of(" \t\r\n") != std::string::npos &&
+                       text[text.find_first_not_of(" \t\r\n")] == '{';
+  std::replace(text.begin(), text.end(), '\t', ' ');
+  // Old Macs end lines with a carriage return alone.
+  if (text.find('\n') == std::string::npos) {
+    std::replace(text.begin(), text.end(), '\r', '\n');
+  }
+  for (std::size_t i = text.find(":["); i != std::string::npos; i = text.find(":[", i)) {
+    text.insert(i + 1, 1, ' ');
+  }
   try {
-    const YAML::Node root = YAML::Load(text);
+    YAML::Node root = YAML::Load(text);
     if (!root.IsMap()) {
       throw Error(path.string() + ": expected a YAML map");
     }
     return root;
   } catch (const YAML::Exception& error) {
-    throw Error(path.string() + ":" + std::to_string(error.mark.line + 1) +
-                ": not YAML: " + error.msg);
+    throw Error(path.string() + ":" + std::to_string(error.mark.line + 1) + ": not " +
+                (is_json ? "JSON" : "YAML") + ": " + error.msg);
   }
 }
+
+YAML::Node ReadYaml(const fs::path& path) { return ParseYaml(ReadText(path), path); }
 
 std::vector<double> YamlNumbers(const YAML::Node& node, const std::string& key, std::size_t count,
                                 const fs::path& path) {
@@ -44,21 +88,8 @@ std::vector<double> YamlNumbers(const YAML::Node& node, const std::string& key, 
     list.reset(list["data"]);
   }
   std::vector<double> numbers;
-  const auto add = [&](const auto& self, const YAML::Node& item) -> void {
-    if (item.IsSequence()) {
-      for (const YAML::Node& inner : item) {
-        self(self, inner);
-      }
-      return;
-    }
-    const std::optional<double> number =
-        item.IsScalar() ? ParseNumber(item.Scalar()) : std::nullopt;
-    if (!number) {
-      throw Error(path.string() + ": " + key + " is not a list of finite numbers");
-    }
-    numbers.push_back(*number);
-  };
-  add(add, list);
+  int items = 0;
+  AppendNumbers(list, path.string() + ": " + key, 0, items, numbers);
   if (count > 0 && numbers.size() != count) {
     throw Error(path.string() + ": " + key + " has " + std::to_string(numbers.size()) +
                 " numbers, expected " + std::to_string(count));
@@ -67,7 +98,7 @@ std::vector<double> YamlNumbers(const YAML::Node& node, const std::string& key, 
 }
 
 Rigid3 RigidFromRows(const std::vector<double>& numbers, const std::string& key,
-                     const fs::path& path) {
+                     const fs::path& path, std::string* rounded) {
   if (numbers.size() != 12 && numbers.size() != 16) {
     throw Error(path.string() + ": " + key + " has " + std::to_string(numbers.size()) +
                 " numbers, expected a 4 x 4 matrix");
@@ -77,26 +108,25 @@ Rigid3 RigidFromRows(const std::vector<double>& numbers, const std::string& key,
     throw Error(path.string() + ": the last row of " + key + " is not 0 0 0 1");
   }
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(numbers.data());
-  const Eigen::Matrix3d rotation = matrix.leftCols<3>();
-  if ((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-3 ||
-      !(rotation.determinant() > 0.0)) {
-    throw Error(path.string() + ": " + key + " is not a rigid transform");
+  Eigen::Matrix3d rotation = matrix.leftCols<3>();
+  const double off = (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm();
+  // Two digits after the point are off by 0.03 at most.
+  constexpr double kTooFar = 0.06;
+  if (!(off < kTooFar && rotation.determinant() > 0.0)) {
+    throw Error(path.string() + ": " + key +
+                " is not a rigid transform: its first three columns are not near a rotation");
+  }
+  // Six digits and more are as they were written.
+  constexpr double kRounded = 1e-5;
+  constexpr double kWorthSaying = 1e-3;
+  if (off > kRounded) {
+    rotation = NearestRotation(rotation);
+  }
+  if (off > kWorthSaying && rounded != nullptr) {
+    *rounded = "the rotation in " + key + " is off by " + std::to_string(off) +
+               " (few digits?); the nearest rotation is taken";
   }
   return {Eigen::Quaterniond(rotation).normalized(), matrix.col(3)};
-}
-
-Distortion DistortionFromName(const std::string& name, const fs::path& path) {
-  if (name == "radial-tangential" || name == "radtan" || name == "plumb_bob") {
-    return Distortion::kRadialTangential;
-  }
-  if (name == "equidistant" || name == "equi" || name == "fisheye") {
-    return Distortion::kEquidistant;
-  }
-  if (name == "none") {
-    return Distortion::kNone;
-  }
-  throw Error(path.string() + ": distortion model " + Quoted(name) +
-              " is not known, expected radial-tangential, radtan, equidistant or none");
 }
 
 std::optional<std::string> YamlText(const YAML::Node& node, const std::string& key,
@@ -117,121 +147,6 @@ int YamlSize(double value, const std::string& key, const fs::path& path) {
     throw Error(path.string() + ": " + key + " is no size of an image in pixels");
   }
   return static_cast<int>(value);
-}
-
-Camera CameraFromYaml(const YAML::Node& node, const fs::path& path) {
-  const std::optional<std::string> model = YamlText(node, "camera_model", path);
-  if (model && *model != "pinhole") {
-    throw Error(path.string() + ": camera model " + Quoted(*model) +
-                " is not supported, expected pinhole");
-  }
-  const std::vector<double> resolution = YamlNumbers(node, "resolution", 2, path);
-  const int width = YamlSize(resolution[0], "resolution", path);
-  const int height = YamlSize(resolution[1], "resolution", path);
-  const std::vector<double> k = YamlNumbers(node, "intrinsics", 4, path);
-  Camera camera = {width, height, /*fx=*/k[0], /*fy=*/k[1], /*cx=*/k[2], /*cy=*/k[3]};
-  const std::optional<std::string> distortion = YamlText(node, "distortion_model", path);
-  if (!distortion) {
-    throw Error(path.string() + ": no distortion_model");
-  }
-  camera.distortion = DistortionFromName(*distortion, path);
-  if (camera.distortion != Distortion::kNone) {
-    const char* const key =
-        node["distortion_coefficients"] ? "distortion_coefficients" : "distortion_coeffs";
-    const std::vector<double> coefficients = YamlNumbers(node, key, 0, path);
-    const std::size_t most = camera.distortion == Distortion::kEquidistant ? 4 : 5;
-    if (coefficients.size() < 4 || coefficients.size() > most) {
-      throw Error(path.string() + ": " + key + " has " + std::to_string(coefficients.size()) +
-                  " numbers, expected " + (most == 4 ? "4" : "4 or 5"));
-    }
-    std::copy(coefficients.begin(), coefficients.end(), camera.coefficients.begin());
-  }
-  camera.Validate(path.string());
-  return camera;
-}
-
-StereoRig RigFromCamchain(const fs::path& path) {
-  const YAML::Node root = ReadYaml(path);
-  for (const char* const name : {"cam0", "cam1"}) {
-    if (!root[name] || !root[name].IsMap()) {
-      throw Error(path.string() + ": no " + name + ", expected Kalibr's cam0 and cam1");
-    }
-  }
-  StereoRig rig;
-  rig.cameras = {CameraFromYaml(root["cam0"], path), CameraFromYaml(root["cam1"], path)};
-  const auto transform = [&](const YAML::Node& node, const char* key) {
-    return RigidFromRows(YamlNumbers(node, key, 0, path), key, path);
-  };
-  const bool has_imu = static_cast<bool>(root["cam0"]["T_cam_imu"]);
-  rig.body_frame = has_imu ? "imu (body)" : "left camera";
-  if (has_imu) {
-    rig.body_from_cam[0] = transform(root["cam0"], "T_cam_imu").Inverse();
-  }
-  if (root["cam1"]["T_cn_cnm1"]) {
-    rig.body_from_cam[1] = rig.body_from_cam[0] * transform(root["cam1"], "T_cn_cnm1").Inverse();
-  } else if (has_imu) {
-    rig.body_from_cam[1] = transform(root["cam1"], "T_cam_imu").Inverse();
-  } else {
-    throw Error(path.string() + ": cam1 has no T_cn_cnm1, the transform from cam0");
-  }
-  return rig;
-}
-
-namespace {
-
-StereoRig RigFromOpenCv(const YAML::Node& root, const fs::path& path) {
-  StereoRig rig;
-  rig.body_frame = "left camera";
-  const std::vector<double> size =
-      root["image_size"] ? YamlNumbers(root, "image_size", 2, path)
-                         : std::vector<double>{YamlNumbers(root, "image_width", 1, path)[0],
-                                               YamlNumbers(root, "image_height", 1, path)[0]};
-  const std::optional<std::string> model = YamlText(root, "distortion_model", path);
-  const Distortion distortion =
-      model ? DistortionFromName(*model, path) : Distortion::kRadialTangential;
-  for (std::size_t side = 0; side < 2; ++side) {
-    const std::string number = side == 0 ? "1" : "2";
-    const std::vector<double> k =
-        YamlNumbers(root, (root["M" + number] ? "M" : "K") + number, 9, path);
-    Camera& camera = rig.cameras[side];
-    const int width = YamlSize(size[0], "the image width", path);
-    const int height = YamlSize(size[1], "the image height", path);
-    camera = {width, height, /*fx=*/k[0], /*fy=*/k[4], /*cx=*/k[2], /*cy=*/k[5]};
-    camera.distortion = distortion;
-    if (distortion != Distortion::kNone) {
-      const std::vector<double> d = YamlNumbers(root, "D" + number, 0, path);
-      const std::size_t most = distortion == Distortion::kEquidistant ? 4 : 5;
-      // OpenCV writes the terms of its larger models, which are zero unless asked for.
-      const bool larger_model = std::any_of(d.begin() + std::min(d.size(), most), d.end(),
-                                            [](double value) { return value != 0.0; });
-      if (d.size() < 4 || larger_model) {
-        throw Error(path.string() + ": D" + number + " has " + std::to_string(d.size()) +
-                    " coefficients, expected " + (most == 4 ? "k1 k2 k3 k4" : "k1 k2 p1 p2 [k3]"));
-      }
-      std::copy_n(d.begin(), std::min(d.size(), most), camera.coefficients.begin());
-    }
-    camera.Validate(path.string() + ": camera " + number);
-  }
-  const std::vector<double> r = YamlNumbers(root, "R", 9, path);
-  const std::vector<double> t = YamlNumbers(root, "T", 3, path);
-  rig.body_from_cam[1] =
-      RigidFromRows({r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2]}, "R",
-                    path)
-          .Inverse();
-  // Calibration boards are often measured in millimetres, and T comes out in them.
-  constexpr double kLongestBaseline = 10.0;
-  if (rig.baseline() > kLongestBaseline) {
-    throw Error(path.string() + ": T has a length of " + std::to_string(rig.baseline()) +
-                ", expected metres, at most 10");
-  }
-  return rig;
-}
-
-}  // namespace
-
-StereoRig RigFromCalibration(const fs::path& path) {
-  const YAML::Node root = ReadYaml(path);
-  return root["cam0"] || root["cam1"] ? RigFromCamchain(path) : RigFromOpenCv(root, path);
 }
 
 }  // namespace gluevo::vo

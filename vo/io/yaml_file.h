@@ -7,11 +7,15 @@
 #include <string>
 #include <vector>
 
-#include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/core/rigid3.h"
 
 namespace gluevo::vo {
 
-/// A YAML file, also one with OpenCV's "%YAML:1.0" header. Throws Error with file and line.
+/// The map that a text of YAML (or JSON, which is a part of it) holds, also as OpenCV writes and
+/// people edit it: with the header "%YAML:1.0", tabs, or no blank between a colon and a list.
+/// Throws Error with file and line.
+YAML::Node ParseYaml(std::string text, const std::filesystem::path& path);
+/// The same of a file.
 YAML::Node ReadYaml(const std::filesystem::path& path);
 
 /// The numbers of a list, or of the `data` of an OpenCV matrix. Throws Error naming file and key
@@ -28,29 +32,10 @@ std::optional<std::string> YamlText(const YAML::Node& node, const std::string& k
 /// number.
 int YamlSize(double value, const std::string& key, const std::filesystem::path& path);
 
-/// From 12 or 16 numbers, the rows of [R | t]. Throws Error naming file and key unless it is rigid.
+/// From 12 or 16 numbers, the rows of [R | t]. A rotation of few digits is replaced by the nearest
+/// one; where it is off by 0.001 or more, `rounded` (if not null) becomes a sentence that says so.
+/// Throws Error naming file and key where it is not near a rotation.
 Rigid3 RigidFromRows(const std::vector<double>& numbers, const std::string& key,
-                     const std::filesystem::path& path);
-
-/// "radial-tangential", "radtan", "plumb_bob", "equidistant", "fisheye" or "none". Throws Error
-/// naming the file for another name.
-Distortion DistortionFromName(const std::string& name, const std::filesystem::path& path);
-
-/// A camera's intrinsics as EuRoC's sensor.yaml and Kalibr's camchain write them: intrinsics,
-/// resolution, distortion_model, distortion_coefficients or distortion_coeffs.
-Camera CameraFromYaml(const YAML::Node& node, const std::filesystem::path& path);
-
-/// Kalibr's camchain of a stereo rig. The body is the IMU where cam0 has T_cam_imu, else the left
-/// camera; the right camera follows from its own T_cam_imu or from T_cn_cnm1.
-StereoRig RigFromCamchain(const std::filesystem::path& path);
-
-/// What --calibration names: Kalibr's camchain where the file has cam0 or cam1, else the file of
-/// OpenCV's stereo calibration, with
-///  - image_width and image_height, pixels, or image_size: [width, height],
-///  - K1 and K2 (or M1 and M2), 3 x 3,
-///  - D1 and D2: k1 k2 p1 p2 [k3], or the four of cv::fisheye with distortion_model: equidistant,
-///  - R, 3 x 3, and T, metres, from the left to the right camera, as stereoCalibrate returns them.
-/// The body is the left camera then.
-StereoRig RigFromCalibration(const std::filesystem::path& path);
+                     const std::filesystem::path& path, std::string* rounded = nullptr);
 
 }  // namespace gluevo::vo

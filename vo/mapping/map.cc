@@ -27,6 +27,12 @@ uint8_t GrayAt(const cv::Mat& image, const Eigen::Vector2d& pixel) {
 
 }  // namespace
 
+void CheckImageNames(const std::array<std::string, 2>& names) {
+  for (const std::string& name : names) {
+    CheckName(name);
+  }
+}
+
 void MapOptions::Validate() const {
   CheckPositive(max_reprojection_error_px, "map.max_reprojection_error_px");
   CheckAtLeast(min_views, 2, "map.min_views");
@@ -61,8 +67,8 @@ void MapRecorder::AddKeyframe(const StereoFrame& frame,
   Keyframe keyframe;
   keyframe.frame.timestamp_ns = result.timestamp_ns;
   keyframe.frame.segment = result.segment;
+  CheckImageNames(image_names);
   for (std::size_t side = 0; side < 2; ++side) {
-    CheckName(image_names[side]);
     keyframe.frame.images[side] = image_names[side];
     keyframe.frame.world_from_cam[side] = result.world_from_body * rig.body_from_cam[side];
   }

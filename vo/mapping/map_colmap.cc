@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iomanip>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <system_error>
@@ -24,24 +25,55 @@ struct Track {
 
 std::size_t ImageId(std::size_t keyframe, std::size_t side) { return 2 * keyframe + side + 1; }
 
+/// What COLMAP calls a camera of ours; its parameters are fx, fy, cx, cy and the coefficients.
+struct ColmapModel {
+  const char* name;
+  std::size_t coefficients;  // the first so many
+};
+
+/// Nothing for the models that COLMAP does not have.
+std::optional<ColmapModel> ModelOf(const Camera& camera) {
+  switch (camera.distortion) {
+    case Distortion::kNone:
+      return ColmapModel{"PINHOLE", 0};
+    case Distortion::kRadialTangential:
+      // Its further three coefficients are zero here.
+      return camera.coefficients[4] != 0.0 ? ColmapModel{"FULL_OPENCV", 8}
+                                           : ColmapModel{"OPENCV", 4};
+    case Distortion::kRational:
+      return ColmapModel{"FULL_OPENCV", 8};
+    case Distortion::kEquidistant:
+      return ColmapModel{"OPENCV_FISHEYE", 4};
+    case Distortion::kFieldOfView:
+      return ColmapModel{"FOV", 1};
+    default:
+      return std::nullopt;
+  }
+}
+
+/// The camera of the views that are written: without distortion where COLMAP lacks the model.
+Camera ExportedCamera(const Camera& camera) {
+  if (ModelOf(camera)) {
+    return camera;
+  }
+  const Eigen::Vector2d focal = camera.CentralFocal();
+  return {camera.width, camera.height, focal.x(), focal.y(), camera.cx, camera.cy};
+}
+
 void WriteCameras(std::ostream& out, const Map& map) {
   out << "# CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n";
   for (std::size_t side = 0; side < 2; ++side) {
-    const Camera& camera = map.cameras[side];
-    const auto& k = camera.coefficients;
-    const bool has_k3 = camera.distortion == Distortion::kRadialTangential && k[4] != 0.0;
-    const char* const model = camera.distortion == Distortion::kNone          ? "PINHOLE"
-                              : camera.distortion == Distortion::kEquidistant ? "OPENCV_FISHEYE"
-                              : has_k3                                        ? "FULL_OPENCV"
-                                                                              : "OPENCV";
-    out << side + 1 << ' ' << model << ' ' << camera.width << ' ' << camera.height << ' '
+    if (!ModelOf(map.cameras[side])) {
+      out << "# " << NameOf(map.cameras[side].distortion) << " is no model of COLMAP's: camera "
+          << side + 1 << " and its views are without distortion, the images are not\n";
+    }
+    const Camera camera = ExportedCamera(map.cameras[side]);
+    const ColmapModel model = *ModelOf(camera);
+    out << side + 1 << ' ' << model.name << ' ' << camera.width << ' ' << camera.height << ' '
         << camera.fx << ' ' << camera.fy << ' ' << camera.cx + kColmapPixelOffset << ' '
         << camera.cy + kColmapPixelOffset;
-    if (camera.distortion != Distortion::kNone) {
-      out << ' ' << k[0] << ' ' << k[1] << ' ' << k[2] << ' ' << k[3];
-    }
-    if (has_k3) {
-      out << ' ' << k[4] << " 0 0 0";
+    for (std::size_t i = 0; i < model.coefficients; ++i) {
+      out << ' ' << camera.coefficients[i];
     }
     out << '\n';
   }
@@ -60,9 +92,13 @@ void WriteImages(std::ostream& out, const Map& map, int segment) {
           << t.x() << ' ' << t.y() << ' ' << t.z() << ' ' << side + 1 << ' '
           << keyframe.images[side] << '\n';
       const char* separator = "";
+      const Camera& camera = map.cameras[side];
+      const bool is_exported = ModelOf(camera).has_value();
       for (const Map::View& view : keyframe.views[side]) {
-        out << separator << view.pixel.x() + kColmapPixelOffset << ' '
-            << view.pixel.y() + kColmapPixelOffset << ' ' << view.point + 1;
+        const Eigen::Vector2d pixel =
+            is_exported ? view.pixel : ExportedCamera(camera).Distort(camera.Undistort(view.pixel));
+        out << separator << pixel.x() + kColmapPixelOffset << ' ' << pixel.y() + kColmapPixelOffset
+            << ' ' << view.point + 1;
         separator = " ";
       }
       out << '\n';

@@ -26,6 +26,12 @@ TrackedFrame WithoutNonFinite(TrackedFrame frame) {
   return frame;
 }
 
+int CountStereo(const TrackedFrame& frame) {
+  return static_cast<int>(
+      std::count_if(frame.observations.begin(), frame.observations.end(),
+                    [](const Observation& observation) { return observation.has_right; }));
+}
+
 // Options are checked before anything is made of them.
 const OdometryConfig& Checked(const OdometryConfig& config) {
   config.Validate();
@@ -66,7 +72,9 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   options_ = other.options_;
   window_ = std::move(other.window_);
   history_ = other.history_;
+  last_timestamp_ns_ = other.last_timestamp_ns_;
   segment_ = other.segment_;
+  passed_over_ = other.passed_over_;
   return *this;
 }
 
@@ -82,20 +90,30 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   tracked = Track(frame);
   timer.End("frontend");
 
-  std::optional<FramePose> pose = Locate(tracked);
+  std::optional<FramePose> pose = Locate(tracked, result);
   timer.End("estimator");
   while (!pose && Retry(tracked)) {
     timer.End("frontend");
-    pose = Locate(tracked);
+    pose = Locate(tracked, result);
     timer.End("estimator");
+  }
+  last_timestamp_ns_ = frame.timestamp_ns;
+  if (!pose && MayPassOver(tracked)) {
+    PassOver(result);
+    timer.End("estimator");
+    return result;
   }
   const bool is_linked = pose && Estimate(tracked, *pose);
   if (!is_linked) {
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
   }
-  Describe(*pose, result);
+  result.world_from_body = window_->world_from_body();
+  result.is_keyframe = window_->newest_is_keyframe();
+  result.inliers = pose->inliers;
+  Describe(result);
   window_->Slide();
+  passed_over_ = 0;
   history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
   frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
   timer.End("estimator");
@@ -103,11 +121,29 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
 }
 
 void Odometry::CheckTime(int64_t timestamp_ns) const {
-  if (history_.last() && timestamp_ns <= history_.last()->timestamp_ns) {
+  if (last_timestamp_ns_ && timestamp_ns <= *last_timestamp_ns_) {
     throw Error("frame at " + std::to_string(timestamp_ns) +
                 " ns does not come after the one before, at " +
-                std::to_string(history_.last()->timestamp_ns) + " ns");
+                std::to_string(*last_timestamp_ns_) + " ns");
   }
+}
+
+bool Odometry::MayPassOver(const TrackedFrame& frame) const {
+  if (!history_.last() || CountStereo(frame) >= options_.min_stereo) {
+    return false;
+  }
+  // A segment that has seen nothing so far needs no other one to see nothing in.
+  const double seconds =
+      static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
+  return window_->CountLandmarks() == 0 || seconds <= options_.max_predicted_s;
+}
+
+void Odometry::PassOver(FrameResult& result) {
+  ++passed_over_;
+  result.is_predicted = true;
+  result.world_from_body = history_.Predict(result.timestamp_ns);
+  Describe(result);
+  frontend_->Accept({.is_passed_over = true});
 }
 
 TrackedFrame Odometry::Track(const StereoFrame& frame) {
@@ -126,7 +162,8 @@ bool Odometry::Retry(TrackedFrame& tracked) {
   return true;
 }
 
-std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) const {
+std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
+                                                    FrameResult& result) const {
   if (window_->empty()) {
     return std::nullopt;
   }
@@ -137,9 +174,18 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame) c
   for (const SlidingWindow::Correspondence& correspondence : correspondences) {
     observations.push_back(correspondence.pnp);
   }
+  result.tracked = static_cast<int>(observations.size());
+  std::vector<Rigid3> guesses = history_.Guesses();
+  if (passed_over_ > 0) {
+    guesses.push_back(history_.Predict(frame.timestamp_ns));
+  }
   const std::optional<PnpResult> pnp =
-      SolvePnp(window_->rig(), observations, history_.Guesses(), options_.pnp);
-  if (!pnp || !IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
+      SolvePnp(window_->rig(), observations, guesses, options_.pnp);
+  if (!pnp) {
+    return std::nullopt;
+  }
+  if (!IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
+    result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
     return std::nullopt;
   }
   FramePose pose{pnp->world_from_body, pnp->inliers, {}};
@@ -162,30 +208,33 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
   FramePose pose;
   pose.verdicts.resize(frame.observations.size());
   if (history_.last()) {
-    // Where the rig was last seen is the best guess there is; the segment number says that it is
-    // one.
-    pose.world_from_body = history_.last()->world_from_body;
+    // Where the rig was last seen, or was thought to be since, is the best guess there is; the
+    // segment number says that it is one.
+    pose.world_from_body =
+        passed_over_ > 0 ? history_.Predict(frame.timestamp_ns) : history_.last()->world_from_body;
     ++segment_;
   }
   *window_ = SlidingWindow(rig_, options_.window);
   return pose;
 }
 
-void Odometry::Describe(const FramePose& pose, FrameResult& result) const {
+void Odometry::Describe(FrameResult& result) const {
   const std::vector<Observation>& observations = result.tracked_frame.observations;
-  result.world_from_body = window_->world_from_body();
-  result.is_keyframe = window_->newest_is_keyframe();
   result.segment = segment_;
   result.observations = static_cast<int>(observations.size());
-  result.tracked = static_cast<int>(std::count_if(pose.verdicts.begin(), pose.verdicts.end(),
-                                                  [](const auto& v) { return v.has_value(); }));
-  result.stereo = static_cast<int>(
-      std::count_if(observations.begin(), observations.end(),
-                    [](const Observation& observation) { return observation.has_right; }));
-  result.inliers = pose.inliers;
+  result.matched = static_cast<int>(std::count_if(
+      observations.begin(), observations.end(),
+      [](const Observation& observation) { return observation.tracking_confidence > 0.0F; }));
+  result.stereo = CountStereo(result.tracked_frame);
   result.landmarks = static_cast<int>(window_->CountLandmarks());
   result.stages_ms.insert(result.tracked_frame.stages_ms.begin(),
                           result.tracked_frame.stages_ms.end());
+}
+
+double Odometry::SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const {
+  const StampedPose& last = *history_.last();
+  const double seconds = static_cast<double>(timestamp_ns - last.timestamp_ns) * 1e-9;
+  return (world_from_body.translation - last.world_from_body.translation).norm() / seconds;
 }
 
 bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const {

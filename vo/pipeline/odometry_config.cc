@@ -9,6 +9,8 @@ void OdometryOptions::Validate() const {
   window.Validate();
   CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
   CheckPositive(max_turn_deg_per_s, "max_turn_deg_per_s");
+  CheckAtLeast(min_stereo, 0, "min_stereo");
+  CheckPositive(max_predicted_s, "max_predicted_s");
 }
 
 void OdometryConfig::Validate() const {

@@ -1,7 +1,9 @@
 #include "asl.h"
 
+#include <cerrno>
 #include <fstream>
 #include <iomanip>
+#include <system_error>
 
 #include "gluevo/nn/error.h"
 
@@ -36,7 +38,10 @@ class TextFile {
 
  private:
   void Check() const {
-    if (!stream_) throw Error(path_.string() + ": cannot be written");
+    if (!stream_) {
+      throw Error(path_.string() +
+                  ": cannot be written: " + std::generic_category().message(errno));
+    }
   }
 
   std::filesystem::path path_;

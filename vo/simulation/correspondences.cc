@@ -34,11 +34,13 @@ Eigen::Vector2d OrNowhere(const std::optional<Eigen::Vector2d>& pixel) {
 void WriteCorrespondences(const std::filesystem::path& file, const Renderer& renderer,
                           const SimulatedWorld& world,
                           const std::vector<vo::Rigid3>& world_from_body,
-                          const std::vector<int64_t>& times_ns, int threads) {
+                          const std::vector<int64_t>& times_ns, int threads,
+                          const std::function<void()>& checkpoint) {
   const vo::Camera& left = renderer.rig().cameras[0];
   const int count = static_cast<int>(world_from_body.size());
   std::vector<Table> tables(count);
   ParallelFor(count, threads, [&](int i) {
+    if (checkpoint) checkpoint();
     Table& table = tables[i];
     const Eye here = renderer.At(world, 0, world_from_body[i]);
     const Eye beside = renderer.At(world, 1, world_from_body[i]);

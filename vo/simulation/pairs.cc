@@ -59,7 +59,7 @@ void SimulatePairs(const PairOptions& options, const std::filesystem::path& dire
   options.Validate();
   const int threads = ThreadCount(options.threads);
   const std::vector<float> grid = GridOf(options);
-  PartialDirectory partial(directory, "rooms_*");
+  PartialDirectory partial(directory, kSimulatedContent);
   std::mutex progress_mutex;
   int done = 0;
   for (int first = 0; first < options.rooms; first += kRoomsPerFile) {

@@ -63,7 +63,7 @@ void PartialDirectory::Lock() {
 
 void PartialDirectory::RemoveLeftovers(const std::string& content) const {
   const auto is_content = [&](const fs::path& path) {
-    return ::fnmatch(content.c_str(), path.filename().c_str(), 0) == 0;
+    return ::fnmatch(content.c_str(), path.filename().c_str(), FNM_EXTMATCH) == 0;
   };
   const std::vector<fs::path> entries(fs::directory_iterator(part_), {});
   if (!std::all_of(entries.begin(), entries.end(), is_content)) {

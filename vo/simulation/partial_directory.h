@@ -5,13 +5,17 @@
 
 namespace gluevo::simulation {
 
+/// What any simulation puts into its folder: a sequence, or training data.
+constexpr const char* kSimulatedContent = "@(mav0|rooms_*)";
+
 /// A new folder that is filled under the name "DIRECTORY.part", takes its own name when it is
 /// whole, and vanishes otherwise. What a killed program left under that name is replaced; while
 /// another program is filling it (a lock on the folder tells), it is not.
 class PartialDirectory {
  public:
   /// Throws Error where the directory exists, is being filled, or cannot be made, and where
-  /// "DIRECTORY.part" holds anything but files or folders called `content` (a shell's pattern).
+  /// "DIRECTORY.part" holds anything but files or folders called `content` (a shell's pattern,
+  /// "@(a|b)" for alternatives).
   PartialDirectory(const std::filesystem::path& directory, const std::string& content);
   ~PartialDirectory();
   PartialDirectory(const PartialDirectory&) = delete;

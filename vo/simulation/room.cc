@@ -32,7 +32,8 @@ SimulatedBox MakeBox(const Eigen::Vector3d& center, const Eigen::Vector3d& half_
 /// Bakes the faces of a box, or what is `seen` of them. `index` -1: it is the room, seen from
 /// inside.
 void Bake(SimulatedBox* box, int index, const Cover& cover, const Light& light,
-          const std::optional<SeenParts>& seen, double floor_z, double texel_m, int threads) {
+          const std::optional<SeenParts>& seen, double floor_z, double texel_m, int threads,
+          const std::function<void()>& checkpoint) {
   const bool inward = index < 0;
   for (int face = 0; face < 6; ++face) {
     const SeenParts::Face* const part = seen ? &seen->Of(index, face) : nullptr;
@@ -61,7 +62,7 @@ void Bake(SimulatedBox* box, int index, const Cover& cover, const Light& light,
     const Pattern lit = [&](double u, double v) {
       return part == nullptr || part->At(u, v) ? pattern(u, v) * light_map.At(u, v) : 0.5;
     };
-    box->faces[face] = Texture(width, height, texel_m, lit, threads);
+    box->faces[face] = Texture(width, height, texel_m, lit, threads, checkpoint);
   }
 }
 
@@ -203,7 +204,8 @@ RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, double side_margin
 SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
                         const std::vector<Eigen::Vector3d>& keep_clear, const RoomStyle& style,
                         int threads,
-                        const std::function<void(const SimulatedWorld&, SeenParts*)>& add_seen) {
+                        const std::function<void(const SimulatedWorld&, SeenParts*)>& add_seen,
+                        const std::function<void()>& checkpoint) {
   const Eigen::Vector3d size = plan.high - plan.low;
   const double walls = 2.0 * (size.x() * size.y() + (size.x() + size.y()) * size.z());
   // A hall as large as a stadium gets coarser texels instead of more memory than machines have.
@@ -238,7 +240,7 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
         return style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
                                : RoomFace(face, width, height, seed);
       },
-      light, seen, plan.low.z(), room_texel_m, threads);
+      light, seen, plan.low.z(), room_texel_m, threads, checkpoint);
   for (std::size_t i = 0; i < world.boxes.size(); ++i) {
     const uint64_t own = Hash(seed, 2, i);
     const bool panel = kinds[i] == Kind::kStandingPanel || kinds[i] == Kind::kHangingPanel;
@@ -248,7 +250,7 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
           return panel ? PanelFace(width, height, Hash(own, face))
                        : CrateFace(width, height, Hash(own, face));
         },
-        light, seen, plan.low.z(), style.box_texel_m, threads);
+        light, seen, plan.low.z(), style.box_texel_m, threads, checkpoint);
   }
   return world;
 }

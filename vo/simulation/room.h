@@ -31,10 +31,12 @@ struct RoomStyle {
 /// The room with pillars, crates, standing and hanging panels, all drawn from the seed and kept
 /// 0.6 m off the points of `keep_clear`. In halls of more than 2500 square metres of walls, floor
 /// and ceiling their texels are coarser than the style says. `add_seen`: adds what will be looked
-/// at of a world without textures; the rest is left gray, which is faster.
-SimulatedWorld MakeRoom(
-    uint64_t seed, const RoomPlan& plan, const std::vector<Eigen::Vector3d>& keep_clear,
-    const RoomStyle& style, int threads,
-    const std::function<void(const SimulatedWorld&, SeenParts*)>& add_seen = {});
+/// at of a world without textures; the rest is left gray, which is faster. `checkpoint`: see
+/// SimulationOptions.
+SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
+                        const std::vector<Eigen::Vector3d>& keep_clear, const RoomStyle& style,
+                        int threads,
+                        const std::function<void(const SimulatedWorld&, SeenParts*)>& add_seen = {},
+                        const std::function<void()>& checkpoint = {});
 
 }  // namespace gluevo::simulation

@@ -10,6 +10,7 @@
 #include "correspondences.h"
 #include "flight.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
 #include "imu.h"
 #include "parallel_for.h"
 #include "partial_directory.h"
@@ -32,14 +33,15 @@ double Seconds(int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
 enum Stream : uint64_t { kWorldStream = 1, kImuStream = 2, kImageStream = 3, kExposureStream = 4 };
 
 void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
-  bool written = false;
-  try {
-    // Noise hardly compresses: level 1 gives the size of the default at a third of its time.
-    written = cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  } catch (const cv::Exception&) {
-    written = false;
+  std::vector<unsigned char> bytes;
+  // Noise hardly compresses: level 1 gives the size of the default at a third of its time.
+  if (!cv::imencode(file.extension().string(), image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 1})) {
+    throw Error(file.string() + ": cannot be encoded");
   }
-  if (!written) throw Error(file.string() + ": cannot be written");
+  nn::WriteFileInPlace(file, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  });
 }
 
 /// The body's poses during an exposure of `blur_ms` around `time_s`: one where it is at rest or the
@@ -135,7 +137,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   const int threads = ThreadCount(options.threads);
   const vo::StereoRig rig = SimulationRig(options.width, options.height);
   const Flight flight = PlanFlight(options);
-  PartialDirectory partial(directory, "mav0");
+  PartialDirectory partial(directory, kSimulatedContent);
   const std::filesystem::path mav = partial.Sub("mav0");
   for (const char* name : {"cam0/data", "cam1/data", "imu0", "state_groundtruth_estimate0"}) {
     partial.Sub(std::string("mav0/") + name);
@@ -164,7 +166,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   const std::vector<Eigen::Vector3d> points = FlightPoints(flight);
   const SimulatedWorld world =
       MakeRoom(Hash(options.seed, kWorldStream), PlanRoom(points, flight.side_margin), points,
-               style, threads);
+               style, threads, {}, options.checkpoint);
   const Renderer renderer(rig, threads);
   const Sensor sensor(options.image);
   std::mutex progress_mutex;
@@ -188,7 +190,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   });
   if (options.correspondences) {
     WriteCorrespondences(mav / "correspondences.h5", renderer, world, Poses(flight, times), stamps,
-                         threads);
+                         threads, options.checkpoint);
   }
   partial.Finish();
 }

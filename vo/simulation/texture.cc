@@ -30,7 +30,7 @@ Texture::Texture() : levels_{Level(1, 1, 1.0)} {
 }
 
 Texture::Texture(double width_m, double height_m, double texel_m, const Pattern& pattern,
-                 int threads) {
+                 int threads, const std::function<void()>& checkpoint) {
   constexpr double kMostTexels = 16384.0;
   texel_m = std::max(texel_m, std::max(width_m, height_m) / kMostTexels);
   log2_texel_m_ = static_cast<float>(std::log2(texel_m));
@@ -38,6 +38,7 @@ Texture::Texture(double width_m, double height_m, double texel_m, const Pattern&
                        std::max(1, static_cast<int>(std::ceil(height_m / texel_m))), texel_m);
   Level& base = levels_.back();
   ParallelFor(base.rows, threads, [&](int row) {
+    if (checkpoint) checkpoint();
     uint8_t* texels = &base.texels[static_cast<std::size_t>(row) * base.stride];
     for (int column = 0; column < base.columns; ++column) {
       const double value = pattern((column + 0.5) * texel_m, (row + 0.5) * texel_m);

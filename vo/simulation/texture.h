@@ -33,8 +33,10 @@ class Texture {
   /// A single gray.
   Texture();
   /// Bakes width x height metres with texels of `texel_m` metres (at most 16384 a side: larger
-  /// texels are taken where there would be more), on `threads` threads.
-  Texture(double width_m, double height_m, double texel_m, const Pattern& pattern, int threads);
+  /// texels are taken where there would be more), on `threads` threads. `checkpoint`, where there
+  /// is one, is called for each row, by all threads: what it throws is thrown here.
+  Texture(double width_m, double height_m, double texel_m, const Pattern& pattern, int threads,
+          const std::function<void()>& checkpoint = {});
 
   /// Samples at one footprint, for several places.
   class Sampler {

@@ -190,11 +190,13 @@ TrainingRoom MakeTrainingRoom(const PairOptions& options, const Renderer& render
   style.floor_per_box = random.Uniform(3.0, 8.0);
   style.any_cover = true;
   const SimulatedWorld world = MakeRoom(
-      random.Next(), plan, positions, style, 1, [&](const SimulatedWorld& plain, SeenParts* seen) {
+      random.Next(), plan, positions, style, 1,
+      [&](const SimulatedWorld& plain, SeenParts* seen) {
         for (int view = 0; view < kViews; ++view) {
           renderer.AddSeen(plain, view % 2, poses[view / 2], seen);
         }
-      });
+      },
+      options.checkpoint);
 
   TrainingRoom room;
   Append(world.room, &room.boxes);

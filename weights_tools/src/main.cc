@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <csignal>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -197,4 +198,9 @@ int Run(int argc, char** argv) {
 }  // namespace
 }  // namespace gluevo::weights_tools
 
-int main(int argc, char** argv) { return gluevo::weights_tools::Run(argc, argv); }
+int main(int argc, char** argv) {
+  // A closed pipe and a full disk become errors of the write, which say what they are.
+  std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
+  return gluevo::weights_tools::Run(argc, argv);
+}

@@ -10,6 +10,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
+#include "gluevo/vo/evaluation/time_scale.h"
 #include "gluevo/vo/io/trajectory_file.h"
 
 namespace gluevo::vo {
@@ -395,6 +396,104 @@ TEST(EvaluateTest, AgreesWithEvoOnPublishedTrajectories) {
     EXPECT_NEAR(evaluation.ate_sim3_m, golden.ate_sim3_m, 1e-6);
     EXPECT_NEAR(evaluation.scale, golden.scale, 1e-6);
   }
+}
+
+/// Poses along a circle, `step` nanoseconds apart.
+Trajectory Circle(std::size_t count, int64_t start, int64_t step) {
+  Trajectory trajectory;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double angle = 0.1 * static_cast<double>(i);
+    trajectory.push_back({start + static_cast<int64_t>(i) * step,
+                          {Eigen::Quaterniond::Identity(), {std::cos(angle), std::sin(angle), 0}}});
+  }
+  return trajectory;
+}
+
+TEST(EvaluateTest, FewMatesAreSaidAndAreNoCoverage) {
+  // Three of sixty poses, 50 ms apart, are near one of the truth.
+  const Trajectory groundtruth = Circle(60, 0, 50'000'000);
+  Trajectory estimate = groundtruth;
+  for (std::size_t i = 0; i < estimate.size(); ++i) {
+    estimate[i].timestamp_ns += i % 29 == 0 ? 0 : 20'000'000;
+  }
+  const Evaluation few = Evaluate(estimate, groundtruth, {});
+  EXPECT_EQ(few.pairs, 3U);
+  EXPECT_EQ(few.estimate_poses, 60U);
+  EXPECT_EQ(few.coverage, 0.0);
+  const std::optional<std::string> warning = AssociationWarning(few, {});
+  ASSERT_TRUE(warning);
+  EXPECT_NE(warning->find("only 3 of 60 poses"), std::string::npos) << *warning;
+  const Evaluation all = Evaluate(groundtruth, groundtruth, {});
+  EXPECT_NEAR(all.coverage, 1.0, 1e-12);
+  EXPECT_FALSE(AssociationWarning(all, {}));
+}
+
+TEST(EvaluateTest, AScaleOfOtherUnitsIsSaid) {
+  const Trajectory estimate = Circle(60, 0, 50'000'000);
+  const auto warning = [&](double factor) {
+    Trajectory groundtruth = estimate;
+    for (StampedPose& pose : groundtruth) {
+      pose.world_from_body.translation *= factor;
+    }
+    return ScaleWarning(Evaluate(estimate, groundtruth, {})).value_or("");
+  };
+  EXPECT_NE(warning(1000.0).find("is the ground truth in millimetres"), std::string::npos);
+  EXPECT_NE(warning(0.01).find("is the estimate in centimetres"), std::string::npos);
+  EXPECT_NE(warning(30.0).find("are both in metres?"), std::string::npos);
+  EXPECT_EQ(warning(1.0), "");
+  EXPECT_EQ(warning(0.2), "");
+}
+
+TEST(EvaluateTest, ClocksThatAreABitApartAreSaid) {
+  const Trajectory groundtruth = Circle(30, 0, 100'000'000);
+  Trajectory estimate = groundtruth;
+  for (StampedPose& pose : estimate) {
+    pose.timestamp_ns += 40'000'000;
+  }
+  try {
+    Evaluate(estimate, groundtruth, {});
+    ADD_FAILURE() << "evaluated";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("0.04 s apart (--max-time-difference)"),
+              std::string::npos)
+        << error.what();
+  }
+  const Evaluation few = Evaluate(groundtruth, {groundtruth.begin(), groundtruth.begin() + 4}, {});
+  EXPECT_NE(AssociationWarning(few, {}).value_or("").find("only 4 of 30 poses of the estimate"),
+            std::string::npos);
+}
+
+TEST(EvaluateTest, OtherTimesAreNamed) {
+  try {
+    Evaluate(Circle(60, 0, 50'000'000), Circle(60, 1'000'000'000'000, 50'000'000), {});
+    FAIL();
+  } catch (const Error& error) {
+    const std::string message = error.what();
+    EXPECT_NE(message.find("the estimate is from 0.000 to 2.950 s"), std::string::npos) << message;
+    EXPECT_NE(message.find("ground truth from 1000.000 to 1002.950 s"), std::string::npos);
+  }
+}
+
+TEST(TimeScaleTest, IsFoundWhereOneFileCountsInAnotherUnit) {
+  const Trajectory seconds = Circle(60, 1'000'000'000, 50'000'000);
+  EXPECT_FALSE(FindTimeScale(seconds, seconds, {}));
+  // Milliseconds that were read as seconds, and as nanoseconds.
+  for (const int power : {3, -6}) {
+    Trajectory other = seconds;
+    ScaleTimes(power, other);
+    const std::optional<TimeScale> scale = FindTimeScale(seconds, other, {});
+    ASSERT_TRUE(scale) << power;
+    EXPECT_FALSE(scale->of_estimate);
+    EXPECT_EQ(scale->power_of_ten, -power);
+    EXPECT_TRUE(FindTimeScale(other, seconds, {})->of_estimate);
+  }
+  // Another time is no other unit.
+  EXPECT_FALSE(FindTimeScale(seconds, Circle(60, 999'000'000'000, 50'000'000), {}));
+}
+
+TEST(TimeScaleTest, ThrowsWhereTimesBecomeTooLarge) {
+  Trajectory late = Circle(3, 1'400'000'000'000'000'000, 1);
+  EXPECT_THROW(ScaleTimes(3, late), Error);
 }
 
 TEST(EvaluateTest, GivesEachPosesErrorAfterBothAlignments) {

@@ -30,6 +30,33 @@ TEST(KltFrontEndTest, RightViewsLieInFrontOfTheCameras) {
   EXPECT_EQ(CountStereo(behind.Track(Frame(1, 3.0))), 0);
 }
 
+TEST(KltFrontEndTest, AFrameThatIsPassedOverIsAsIfItHadNotBeen) {
+  const auto at = [](int64_t timestamp_ns, double x) {
+    return StereoFrame{timestamp_ns,
+                       {testing::PatternAt(x, 0.0), testing::PatternAt(x - 3.0, 0.0)}};
+  };
+  KltFrontEnd frontend(testing::RectifiedRig(), kSmall);
+  frontend.Track(at(1, 0.0));
+  frontend.Accept({});
+  const TrackedFrame before = frontend.Track(at(2, 1.0));
+  frontend.Accept({});
+  const cv::Mat black = cv::Mat::zeros(48, 64, CV_8UC1);
+  frontend.Track({3, {black, black}});
+  frontend.Accept({.is_passed_over = true});
+  // Twice the motion since the frame that it is matched with.
+  const TrackedFrame after = frontend.Track(at(4, 3.0));
+  int found = 0;
+  for (const Observation& observation : after.observations) {
+    for (const Observation& old : before.observations) {
+      if (old.track_id == observation.track_id) {
+        EXPECT_NEAR(observation.left_pixel.x() - old.left_pixel.x(), 2.0, 0.2);
+        ++found;
+      }
+    }
+  }
+  EXPECT_GT(found, 5);
+}
+
 TEST(KltFrontEndTest, ARefusedImageChangesNothing) {
   KltFrontEnd frontend(testing::RectifiedRig(), kSmall);
   const TrackedFrame first = frontend.Track(Frame(1, -3.0));

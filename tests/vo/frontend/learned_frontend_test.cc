@@ -93,6 +93,21 @@ TEST(LearnedFrontEndTest, RetryMatchesByTheFallbackOnce) {
   EXPECT_FALSE(frontend.Retry().has_value());
 }
 
+TEST(LearnedFrontEndTest, AFrameThatIsPassedOverIsNoReference) {
+  LearnedFrontEnd frontend(RectifiedRig(),
+                           std::make_unique<ScriptedExtractor>(std::deque<nn::Features>{
+                               Named({{1, 40, 20}}), Named({}), Named({{7, 20, 20}}), Named({}),
+                               Named({{1, 41, 20}}), Named({}), Named({{1, 42, 20}}), Named({})}),
+                           std::make_unique<NameMatcher>(), nullptr, {});
+  const int64_t id = frontend.Track(Frame(1)).observations[0].track_id;
+  frontend.Accept({.is_keyframe = true, .starts_segment = true});
+  EXPECT_NE(frontend.Track(Frame(2)).observations[0].track_id, id);
+  frontend.Accept({.is_passed_over = true});
+  EXPECT_EQ(frontend.Track(Frame(3)).observations[0].track_id, id);
+  frontend.Accept({});
+  EXPECT_EQ(frontend.Track(Frame(4)).observations[0].track_id, id);
+}
+
 // Nothing matches but by the last way: from the key frame, by the fallback.
 class RecoveryTest : public ::testing::Test {
  protected:

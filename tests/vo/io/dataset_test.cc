@@ -74,7 +74,7 @@ class DatasetTest : public testing::Test {
     for (int camera = 0; camera < 2; ++camera) {
       const fs::path root = mav0 / ("cam" + std::to_string(camera));
       std::string csv = "#timestamp [ns],filename\r\n";
-      for (int time : {100, 200, 300, 400, 500 + camera}) {
+      for (int time : {100, 200, 300, 400, 500 + 50 * camera}) {
         const std::string name = std::to_string(time) + (time == 200 ? ".jpg" : ".png");
         WriteImage(root / "data" / name, time / 4 + camera);
         csv += std::to_string(time) + "," + name + "\r\n";
@@ -179,7 +179,7 @@ TEST_F(DatasetTest, ReadsEuroc) {
     EXPECT_EQ(camera.cx, 15.75);
     EXPECT_EQ(camera.cy, 11.5);
     EXPECT_EQ(camera.distortion, Distortion::kRadialTangential);
-    EXPECT_EQ(camera.coefficients, (std::array<double, 5>{-0.28, 0.07, 0.0002, 1.8e-05, 0.0}));
+    EXPECT_EQ(camera.coefficients, (DistortionCoefficients{-0.28, 0.07, 0.0002, 1.8e-05, 0.0}));
     EXPECT_NEAR(dataset.rig.baseline(), 0.11, 1e-12);
     // T_BS takes x of the camera to y of the body.
     EXPECT_TRUE((dataset.rig.body_from_cam[0] * Eigen::Vector3d(1.0, 0.0, 0.0))
@@ -240,9 +240,8 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
                  {"mav0/cam0: no such folder"});
   ExpectContains(broken([](const fs::path& mav0) { fs::remove(mav0 / "cam1" / "data.csv"); }),
                  {"cam1/data.csv: no such file"});
-  ExpectContains(
-      broken([](const fs::path& mav0) { fs::remove(mav0 / "cam1" / "data" / "300.png"); }),
-      {"cam1/data/300.png: no such image"});
+  ExpectContains(broken([](const fs::path& mav0) { fs::remove_all(mav0 / "cam1" / "data"); }),
+                 {"cam1/data/100.png: no such image", "none of the others"});
   ExpectContains(broken([](const fs::path& mav0) { fs::remove(mav0 / "cam0" / "sensor.yaml"); }),
                  {"cam0/sensor.yaml: no such file"});
   const auto csv = [&](const std::string& text) {
@@ -259,22 +258,147 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithEuroc) {
   ExpectContains(yaml("20.5,", ""), {"intrinsics has 3 numbers, expected 4"});
   ExpectContains(yaml("20.5", ".nan"), {"sensor.yaml: intrinsics is not a list of finite numbers"});
   ExpectContains(yaml("20.5", "-20.5"), {"sensor.yaml", "focal lengths"});
-  ExpectContains(yaml("[32, 24]", "[32, -24]"), {"sensor.yaml: resolution"});
-  ExpectContains(yaml("[32, 24]", "[1e99, 24]"), {"sensor.yaml: resolution"});
-  ExpectContains(yaml("pinhole", "omni"), {"sensor.yaml: camera model \"omni\""});
-  ExpectContains(yaml("radial-tangential", "fov"), {"distortion model \"fov\""});
+  ExpectContains(yaml("[32, 24]", "[32, -24]"), {"sensor.yaml: the image height"});
+  ExpectContains(yaml("[32, 24]", "[1e99, 24]"), {"sensor.yaml: the image width"});
+  ExpectContains(yaml("pinhole", "omni"), {"intrinsics has 4 numbers, expected 5"});
+  ExpectContains(yaml("pinhole", "linear"), {"sensor.yaml: camera model \"linear\""});
+  ExpectContains(yaml("radial-tangential", "fog"), {"distortion model \"fog\""});
   ExpectContains(yaml("radial-tangential", "[1]"), {"distortion_model is not a name"});
-  ExpectContains(yaml("-0.28, 0.07, ", ""), {"distortion_coefficients has 2 numbers"});
+  ExpectContains(yaml("-0.28, 0.07, ", ""), {"distortion_coefficients has 2 coefficients"});
   ExpectContains(yaml("0.0, -1.0, 0.0", "0.0, -1.1, 0.0"), {"T_BS is not a rigid transform"});
   ExpectContains(yaml("0.0, -1.0, 0.0", "0.0, 1.0, 0.0"), {"T_BS is not a rigid transform"});
   ExpectContains(yaml("0.0, 0.0, 0.0, 1.0]", "0.0, 0.0, 1.0, 1.0]"), {"last row of T_BS"});
   ExpectContains(yaml("0.0, 0.0, 0.0, 1.0]", "1.0]"), {"T_BS has 13 numbers"});
   ExpectContains(yaml("[32, 24]", "[32, 24"), {"sensor.yaml:", "not YAML"});
   ExpectContains(yaml("0.21", "0.10"), {"in the same place"});
-  ExpectContains(broken([](const fs::path& mav0) {
-                   WriteText(mav0 / "state_groundtruth_estimate0" / "data.csv", "1,2,3\n");
-                 }),
-                 {"state_groundtruth_estimate0/data.csv:1: "});
+}
+
+TEST_F(DatasetTest, ReadsEurocsTimesInOtherUnits) {
+  const auto open = [&](const std::string& first, const std::string& second) {
+    const fs::path root = MakeEuroc();
+    for (const char* const camera : {"cam0", "cam1"}) {
+      WriteText(root / "mav0" / camera / "data.csv",
+                "#timestamp [ns],filename\n" + first + ",100.png\n" + second + ",300.png\n");
+    }
+    const Dataset dataset = OpenDataset(root, {});
+    EXPECT_EQ(dataset.entries.at(1).timestamp_ns, 1500000000050000000);
+    return dataset.notes.empty() ? "" : dataset.notes.front();
+  };
+  ExpectContains(open("1500000000000000", "1500000000050000"), {"cam0/data.csv", "microseconds"});
+  ExpectContains(open("1500000000.000000", "1500000000.050000"), {"in seconds"});
+  EXPECT_EQ(open("1500000000000000000.0", "1500000000050000000.0"), "");
+  ExpectContains(MessageOf([&] { open("1.5e+18", "1.5e+18"); }), {"twice", "too few digits"});
+}
+
+TEST_F(DatasetTest, KittiImagesOfAnotherSizeThanTheCalibrationsAreWarnedOf) {
+  const fs::path root = MakeKittiOdometry();
+  EXPECT_TRUE(OpenDataset(root, {}).warnings.empty());
+  WriteText(root / "calib.txt",
+            "P0: 40 0 31 0 0 42 23 0 0 0 1 0\nP1: 40 0 31 -20 0 42 23 0 0 0 1 0\n");
+  const Dataset dataset = OpenDataset(root, {});
+  ASSERT_FALSE(dataset.warnings.empty());
+  ExpectContains(dataset.warnings.front(), {"calib.txt", "principal point"});
+}
+
+TEST_F(DatasetTest, LeavesOutWhatIsMissingAndSaysSo) {
+  const fs::path euroc = MakeEuroc();
+  fs::remove(euroc / "mav0" / "cam1" / "data" / "300.png");
+  const Dataset without_file = OpenDataset(euroc, {});
+  EXPECT_EQ(without_file.entries.size(), 3U);
+  EXPECT_EQ(without_file.images_left_out, 4);  // The mate, and one of each without any.
+  ASSERT_GE(without_file.warnings.size(), 2U);
+  ExpectContains(without_file.warnings[0], {"1 images", "cam1/data.csv", "cam1/data/300.png"});
+  ExpectContains(without_file.warnings[1], {"2 of 5 left and 1 of 4 right images", "no mate",
+                                            "50 ns apart", "--pair-tolerance"});
+
+  const fs::path kitti = MakeKittiOdometry();
+  fs::remove(kitti / "image_1" / "000001.png");
+  const Dataset without_mate = OpenDataset(kitti, {});
+  EXPECT_EQ(without_mate.entries.size(), 2U);
+  EXPECT_EQ(without_mate.images_left_out, 1);
+  ExpectContains(without_mate.warnings.at(0), {"1 of 3 left images", "image_0/000001.png"});
+}
+
+TEST_F(DatasetTest, PairsEurocsStampsThatAreNearlyTheSame) {
+  const fs::path root = MakeEuroc();
+  WriteText(root / "mav0" / "cam1" / "data.csv",
+            "#timestamp [ns],filename\n105,100.png\n195,200.jpg\n310,300.png\n411,400.png\n");
+  const Dataset dataset = OpenDataset(root, {});
+  ASSERT_EQ(dataset.entries.size(), 3U);  // A tenth of the step is 10.
+  EXPECT_EQ(dataset.entries[1].timestamp_ns, 200);
+  EXPECT_EQ(dataset.entries[1].images[1].filename(), "200.jpg");
+  ExpectContains(dataset.notes.at(0), {"differ by up to 10 ns"});
+  DatasetOptions options;
+  options.pair_tolerance_s = 11e-9;
+  EXPECT_EQ(OpenDataset(root, options).entries.size(), 4U);
+  options.pair_tolerance_s = 0.0;
+  ExpectContains(ErrorOf(root, options),
+                 {"no image of cam0 has the same time as one of cam1", "apart", "at most 0 ns"});
+  options.pair_tolerance_s = -1.0;
+  ExpectContains(ErrorOf(root, options), {"--pair-tolerance"});
+}
+
+TEST_F(DatasetTest, ReadsKittisColourCamerasWithCamera0AsTheBody) {
+  const fs::path root = MakeKittiOdometry();
+  fs::rename(root / "image_0", root / "image_2");
+  fs::rename(root / "image_1", root / "image_3");
+  WriteText(root / "calib.txt",
+            "P0: 20 0 16 0 0 21 12 0 0 0 1 0\nP1: 20 0 16 -10 0 21 12 0 0 0 1 0\n"
+            "P2: 20 0 16 2 0 20 12 0 0 0 1 0\nP3: 20 0 16 -8 0 20 12 0 0 0 1 0\n");
+  const Dataset dataset = OpenDataset(root, {});
+  EXPECT_EQ(dataset.format, DatasetFormat::kKittiOdometry);
+  EXPECT_EQ(dataset.entries.size(), 3U);
+  EXPECT_EQ(dataset.rig.body_frame, "camera 0");
+  EXPECT_TRUE(dataset.rig.body_from_cam[0].translation.isApprox(Eigen::Vector3d(-0.1, 0, 0)));
+  EXPECT_TRUE(dataset.rig.right_from_left().translation.isApprox(Eigen::Vector3d(-0.5, 0, 0)));
+}
+
+TEST_F(DatasetTest, ReadsKitti360) {
+  const fs::path drive = folder() / "kitti_360" / "data_2d_raw" / "drive_sync";
+  for (const char* const camera : {"image_00", "image_01"}) {
+    for (const char* const name : {"0000000000.png", "0000000001.png"}) {
+      WriteImage(drive / camera / "data_rect" / name, 10);
+    }
+    WriteText(drive / camera / "timestamps.txt",
+              "2013-05-28 08:46:02.100\n2013-05-28 08:46:02.203\n");
+  }
+  WriteText(folder() / "kitti_360" / "calibration" / "perspective.txt",
+            "calib_time: 28-May-2013\nS_00: 32 24\nS_rect_00: 32 24\n"
+            "P_rect_00: 20 0 16 0 0 20 12 0 0 0 1 0\nP_rect_01: 20 0 16 -12 0 20 12 0 0 0 1 0\n");
+  const Dataset dataset = OpenDataset(drive, {});
+  EXPECT_EQ(dataset.format, DatasetFormat::kKittiRaw);
+  ASSERT_EQ(dataset.entries.size(), 2U);
+  EXPECT_EQ(dataset.entries[1].timestamp_ns, 103000000);
+  EXPECT_NEAR(dataset.rig.baseline(), 0.6, 1e-12);
+}
+
+TEST_F(DatasetTest, WarnsOfTheFileOfTheCameraThatIsMeant) {
+  const fs::path euroc = MakeEuroc();
+  Replace(euroc / "mav0" / "cam1" / "sensor.yaml", "0.0, -1.0, 0.0", "0.0, -0.99, 0.0");
+  const Dataset dataset = OpenDataset(euroc, {});
+  std::string named;
+  for (const std::string& warning : dataset.warnings) {
+    named += warning.find("the rotation in T_BS") != std::string::npos ? warning : "";
+  }
+  ExpectContains(named, {"cam1/sensor.yaml: the rotation in T_BS"});
+  EXPECT_EQ(named.find("cam0"), std::string::npos) << named;
+}
+
+TEST_F(DatasetTest, SaysWhereTheDataSetIsAndWhatIsNone) {
+  const fs::path euroc = MakeEuroc();
+  ExpectContains(ErrorOf(folder()), {"did you mean", euroc.string()});
+  ExpectContains(ErrorOf(euroc / "mav0" / "cam0" / "data"), {"did you mean", "euroc/mav0?"});
+  fs::create_directories(folder() / "bags");
+  WriteText(folder() / "bags" / "V1.bag", "#ROSBAG V2.0\n");
+  ExpectContains(ErrorOf(folder() / "bags" / "V1.bag"), {"V1.bag: a ROS bag, not a folder"});
+  // Two folders below.
+  fs::create_directories(folder() / "all" / "sets");
+  fs::rename(euroc, folder() / "all" / "sets" / "V1");
+  ExpectContains(ErrorOf(folder() / "all"), {"did you mean", "all/sets/V1?"});
+  fs::remove_all(folder() / "all");
+  ExpectContains(ErrorOf(folder() / "bags"), {"V1.bag in it is a ROS bag", "extracted"});
+  WriteText(folder() / "a.zip", "PK\x03\x04");
+  ExpectContains(ErrorOf(folder() / "a.zip"), {"a zip archive, not a folder"});
 }
 
 TEST_F(DatasetTest, NamesImagesThatCannotBeRead) {
@@ -286,7 +410,8 @@ TEST_F(DatasetTest, NamesImagesThatCannotBeRead) {
   };
   EXPECT_EQ(read_error(0), "no error");
   WriteImage(data / "100.png", 1, kWidth, kHeight + 1);
-  ExpectContains(read_error(0), {"cam1/data/100.png", "32 x 25", "expected 32 x 24"});
+  ExpectContains(read_error(0),
+                 {"cam1/data/100.png", "32 x 25", "expected 32 x 24", "cam0/sensor.yaml"});
   Shorten(data / "200.jpg");
   ExpectContains(read_error(1), {"cam1/data/200.jpg"});
   WriteText(data / "300.png", "no image");
@@ -385,10 +510,16 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithKittiOdometry) {
                  {"06/image_1: no such folder"});
   ExpectContains(broken([](const fs::path& root) { fs::remove_all(root / "image_0"); }),
                  {"06/image_0: no such folder"});
-  ExpectContains(broken([](const fs::path& root) { fs::remove(root / "image_1" / "000001.png"); }),
-                 {"image_1/000001.png: no such image"});
-  ExpectContains(broken([](const fs::path& root) { fs::remove(root / "image_0" / "000001.png"); }),
-                 {"image_0/000001.png: no such image"});
+  ExpectContains(broken([](const fs::path& root) {
+                   fs::remove_all(root / "image_1");
+                   WriteImage(root / "image_1" / "000004.png", 1);
+                 }),
+                 {"image_0: no image has the same number as one in ", "image_1"});
+  ExpectContains(broken([](const fs::path& root) {
+                   fs::remove_all(root / "image_1");
+                   WriteText(root / "image_1" / "000000.raw", "");
+                 }),
+                 {"image_1: no images in it", "\".raw\" (1)", ".png"});
   ExpectContains(broken([](const fs::path& root) { WriteImage(root / "image_0" / "1.png", 1); }),
                  {"1.png: has the same number"});
   ExpectContains(broken([](const fs::path& root) { fs::remove(root / "calib.txt"); }),
@@ -400,7 +531,11 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithKittiOdometry) {
   ExpectContains(
       broken([](const fs::path& root) { WriteText(root / "times.txt", "0\n1\n1\n2\n"); }),
       {"times.txt:3: "});
-  ExpectContains(broken([](const fs::path& root) { Shorten(root / "image_0" / "000000.png"); }),
+  ExpectContains(broken([](const fs::path& root) {
+                   for (const char* const name : {"000000.png", "000001.png", "000003.png"}) {
+                     Shorten(root / "image_0" / name);
+                   }
+                 }),
                  {"image_0/000000.png"});
   const auto calibration = [&](const std::string& from, const std::string& to) {
     return broken([&](const fs::path& root) { Replace(root / "calib.txt", from, to); });
@@ -444,7 +579,7 @@ TEST_F(DatasetTest, ReadsUnrectifiedKittiRaw) {
   EXPECT_EQ(right.cx, 20.5);
   EXPECT_EQ(right.cy, 15.5);
   EXPECT_EQ(right.distortion, Distortion::kRadialTangential);
-  EXPECT_EQ(right.coefficients, (std::array<double, 5>{-0.31, 0.21, 0.0011, 0.0021, -0.06}));
+  EXPECT_EQ(right.coefficients, (DistortionCoefficients{-0.31, 0.21, 0.0011, 0.0021, -0.06}));
   // R_01 and T_01 take points of camera 0 to camera 1: x to y.
   EXPECT_TRUE((dataset.rig.right_from_left() * Eigen::Vector3d(1.0, 0.0, 0.0))
                   .isApprox(Eigen::Vector3d(-0.5, 1.01, 0.02)));
@@ -474,10 +609,6 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithKittiRaw) {
                  {"image_01/data: no such folder"});
   ExpectContains(broken([](const fs::path& root) { fs::remove_all(root / "image_00"); }),
                  {"image_00/data: no such folder"});
-  ExpectContains(broken([](const fs::path& root) {
-                   fs::remove(root / "image_01" / "data" / "0000000004.png");
-                 }),
-                 {"image_01/data/0000000004.png: no such image"});
   const auto times = [&](const std::string& from, const std::string& to) {
     return broken(
         [&](const fs::path& root) { Replace(root / "image_00" / "timestamps.txt", from, to); });
@@ -556,7 +687,8 @@ TEST_F(DatasetTest, TakesPlainTimesFromNames) {
   const Dataset dataset = OpenDataset(MakePlain({"f10.png", "f2.png", "f1.png"}), options);
   EXPECT_EQ(dataset.entries[1].images[0].filename(), "f2.png");
   EXPECT_EQ(dataset.entries[2].images[0].filename(), "f10.png");
-  EXPECT_EQ(dataset.entries[2].timestamp_ns, 200000000);
+  // A gap in the numbers is one in the times.
+  EXPECT_EQ(dataset.entries[2].timestamp_ns, 900000000);
 }
 
 constexpr const char* kOpenCvCalibration =
@@ -580,7 +712,7 @@ TEST_F(DatasetTest, ReadsOpenCvsCalibration) {
   WriteText(*options.calibration, kOpenCvCalibration);
   const StereoRig rig = OpenDataset(root, options).rig;
   EXPECT_EQ(rig.cameras[0].fx, 20.0);
-  EXPECT_EQ(rig.cameras[0].coefficients, (std::array<double, 5>{-0.28, 0.07, 0.0002, 0.0, 0.01}));
+  EXPECT_EQ(rig.cameras[0].coefficients, (DistortionCoefficients{-0.28, 0.07, 0.0002, 0.0, 0.01}));
   EXPECT_EQ(rig.cameras[1].coefficients[1], 0.05);
   EXPECT_EQ(rig.cameras[1].cy, 11.0);
   EXPECT_EQ(rig.body_frame, "left camera");
@@ -594,12 +726,13 @@ TEST_F(DatasetTest, ReadsOpenCvsCalibration) {
   };
   EXPECT_EQ(changed("K1", "M1"), "no error");
   EXPECT_EQ(changed("image_width: 32\nimage_height: 24", "image_size: [ 32, 24 ]"), "no error");
-  ExpectContains(changed("K2", "Q2"), {"stereo.yml: no K2"});
-  ExpectContains(changed("D2", "Q2"), {"stereo.yml: no D2"});
-  ExpectContains(changed("T:", "U:"), {"stereo.yml: no T"});
-  ExpectContains(changed("image_width", "w"), {"stereo.yml: no image_width"});
+  ExpectContains(changed("K2", "Q2"), {"stereo.yml: no matrices of two cameras", "Q2"});
+  ExpectContains(changed("D2", "Q2"), {"stereo.yml: no distortion coefficients beside K2", "Q2"});
+  ExpectContains(changed("T:", "U:"), {"stereo.yml: no R and T"});
+  EXPECT_EQ(changed("image_width", "breadth"), "no error");  // The images tell their size.
   ExpectContains(changed("0., 0., 0. ]\nR", "0., 0., 0.1 ]\nR"), {"D2 has 14 coefficients"});
-  ExpectContains(changed("-0.12, 0., 0.01", "-120., 0., 10."), {"T has a length", "metres"});
+  ExpectContains(changed("-0.12, 0., 0.01", "-120., 0., 10."),
+                 {"stereo.yml: a baseline of 120", "millimetres"});
   ExpectContains(changed("-0.12, 0., 0.01", "0., 0., 0."), {"in the same place"});
   ExpectContains(changed("-1., 0., 1.", "-1., 0., 2."), {"R is not a rigid transform"});
 }
@@ -618,7 +751,7 @@ TEST_F(DatasetTest, NamesWhatIsWrongWithPlainFolders) {
   ExpectContains(ErrorOf(root, options), {"camchain.yaml: cam1 has no T_cn_cnm1"});
   Camchain();
   fs::rename(root / "right" / "1.png", root / "right" / "2.png");
-  ExpectContains(ErrorOf(root, options), {"plain/left", "plain/right", "same name"});
+  ExpectContains(ErrorOf(root, options), {"plain/left", "plain/right", "same number"});
   fs::remove_all(root / "right");
   options.format = DatasetFormat::kPlain;
   ExpectContains(ErrorOf(root, options), {"no two folders"});
@@ -629,7 +762,7 @@ TEST_F(DatasetTest, SaysWhatItLookedFor) {
   ExpectContains(ErrorOf(folder() / "empty"),
                  {"empty: ", "mav0", "image_0", "image_00", "left and right"});
   WriteText(folder() / "file", "");
-  ExpectContains(ErrorOf(folder() / "file"), {"file: no such folder"});
+  ExpectContains(ErrorOf(folder() / "file"), {"file: a file, not a folder"});
   DatasetOptions options;
   options.format = DatasetFormat::kKittiRaw;
   ExpectContains(ErrorOf(MakeEuroc(), options), {"image_00/data: no such folder"});

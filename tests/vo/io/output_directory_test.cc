@@ -31,6 +31,21 @@ TEST(OutputDirectory, RefusesAFileInItsPlaceOrAboveIt) {
   EXPECT_EQ(fs::file_size(file), 4U);
 }
 
+TEST(OutputDirectory, SaysWhyANameIsNone) {
+  const TemporaryFolder folder;
+  const auto error_of = [](const fs::path& path) -> std::string {
+    try {
+      MakeOutputDirectory(path);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error_of(""), "the folder for output has no name");
+  fs::create_symlink("nowhere", folder.path() / "link");
+  EXPECT_NE(error_of(folder.path() / "link").find("link to what is not there"), std::string::npos);
+}
+
 TEST(OutputDirectory, RefusesAFolderInWhichNoFileCanBeMade) {
   // Nobody makes files there, not even root.
   EXPECT_THROW(MakeOutputDirectory("/proc/self"), Error);

@@ -167,8 +167,8 @@ TEST_F(TrajectoryTest, FindsKittiTimesInKittisLayout) {
   EXPECT_EQ(ReadTrajectory(path)[1].timestamp_ns, 2000000000);
 }
 
-TEST_F(TrajectoryTest, CountsKittiRowsWhereAskedTo) {
-  const Trajectory trajectory = ReadKittiTrajectoryByRow(Write("poses.txt", kKittiPoses));
+TEST_F(TrajectoryTest, CountsKittiRowsWhereThereAreNoTimes) {
+  const Trajectory trajectory = ReadTrajectoryFile(Write("poses.txt", kKittiPoses)).poses;
   ASSERT_EQ(trajectory.size(), 2U);
   EXPECT_EQ(trajectory[0].timestamp_ns, 0);
   EXPECT_EQ(trajectory[1].timestamp_ns, 1000000000);
@@ -177,7 +177,6 @@ TEST_F(TrajectoryTest, CountsKittiRowsWhereAskedTo) {
 TEST_F(TrajectoryTest, RefusesTimesOfAnotherNumber) {
   EXPECT_THROW(ReadTrajectory(Write("poses.txt", kKittiPoses), Write("times.txt", "0\n1\n2\n")),
                Error);
-  EXPECT_THROW(ReadKittiTrajectory(Write("poses.txt", kKittiPoses), {0}), Error);
   EXPECT_THROW(ReadTimes(Write("times.txt", "0\n0.5\n0.5\n")), Error);
   EXPECT_THROW(ReadTimes(Write("times.txt", "0\nsoon\n")), Error);
 }
@@ -190,21 +189,30 @@ TEST_F(TrajectoryTest, NamesFileAndLineOfWhatIsMalformed) {
   starts(ErrorOf(""), ": an empty trajectory");
   starts(ErrorOf("# only a comment\n"), ": an empty trajectory");
   starts(ErrorOf("1 2 3\n"), ":1: not a trajectory");
-  starts(ErrorOf(good + "\n2 0 0 0 0 0 1\n"), ":3: 7 fields, expected 8");
+  starts(ErrorOf(good + "\n2 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n"), ":3: 7 fields, expected at least 8");
   starts(ErrorOf(good + "2 0 0 zero 0 0 0 1\n"), ":2: \"zero\" is not a finite number");
-  starts(ErrorOf(good + "2 0 0 nan 0 0 0 1\n"), ":2: \"nan\" is not a finite number");
+  starts(ErrorOf("2 0 0 nan 0 0 0 1\n"), ": a trajectory without a pose: 1 row has");
   starts(ErrorOf(good + "2 0 0 1e999 0 0 0 1\n"), ":2: \"1e999\" is not a finite number");
   starts(ErrorOf(good + "later 0 0 0 0 0 0 1\n"), ":2: \"later\" is not a time");
-  starts(ErrorOf(good + "2 0 0 0 0 0 0 0\n"), ":2: a quaternion of length 0");
-  starts(ErrorOf(good + "2 0 0 0 0 0 0 1.02\n"), ":2: a quaternion of length 1.02");
-  starts(ErrorOf(good + "1.0 0 0 0 0 0 0 1\n"), ":2: a time that is not after");
-  starts(ErrorOf("5,0,0,0,1,0,0,0\n6,0,0,0\n"), ":2: 4 fields, expected at least 8");
-  starts(ErrorOf("5.5,0,0,0,1,0,0,0\n"), ":1: \"5.5\" is not a time in nanoseconds");
+  starts(ErrorOf("2 0 0 0 0 0 0 0\n"), ": a trajectory without a pose: 1 row has");
+  starts(ErrorOf(good + "2 0 0 0 0 0 0 50\n"), ":2: a quaternion of length 50");
+  starts(ErrorOf(good + "1 1 0 0 0 0 0 1\n1 2 0 0 0 0 0 1\n1 3 0 0 0 0 0 1\n"),
+         ":2: the same time as in a row before, as in 3 of 4");
+  starts(ErrorOf("5,0,0,0,1,0,0,0\n6,0,0,0\n7,0,0,0,1,0,0,0\n"),
+         ":2: 4 fields, expected at least 8");
+  starts(ErrorOf("1 0,5 0,5 0 0 0 0 1\n"), ":1: decimal commas");
+  starts(ErrorOf("1;0,5;0,5;0;0;0;0;1\n"), ":1: decimal commas");
+  starts(ErrorOf("5 1 2 3\n"), ":1: not a trajectory: positions without rotations");
+  starts(ErrorOf("0 1 0 0 0 0 1 0 0 0 0 1 0\n"), ":1: a number and a matrix");
+  starts(ErrorOf("roll pitch yaw\n"), ": an empty trajectory: no row of numbers");
+  starts(ErrorOf(std::string("1\0 \0", 4)), ": text in UTF-16");
+  starts(ErrorOf("\xFF\xFE" + good), ": text in UTF-16");
+  starts(ErrorOf(good + std::string("2 0\0", 4)), ": not a text file");
   EXPECT_THROW(ReadTrajectory(folder() / "missing.txt"), Error);
   EXPECT_THROW(ReadTrajectory(folder()), Error);
-  EXPECT_THROW(ReadKittiTrajectoryByRow(Write("k.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n")), Error);
+  EXPECT_THROW(ReadTrajectoryFile(Write("k.txt", "2 0 0 0 0 1 0 0 0 0 1 0\n")), Error);
   // A mirror is no rotation.
-  EXPECT_THROW(ReadKittiTrajectoryByRow(Write("k.txt", "-1 0 0 0 0 1 0 0 0 0 1 0\n")), Error);
+  EXPECT_THROW(ReadTrajectoryFile(Write("k.txt", "-1 0 0 0 0 1 0 0 0 0 1 0\n")), Error);
 }
 
 Trajectory SomePoses() {
@@ -236,7 +244,10 @@ TEST_F(TrajectoryTest, WritesKitti) {
   const Trajectory poses = SomePoses();
   const fs::path path = folder() / "out.txt";
   WriteTrajectory(path, poses, TrajectoryFormat::kKitti, "no comments in KITTI files");
-  const Trajectory read = ReadKittiTrajectory(path, {poses[0].timestamp_ns, poses[1].timestamp_ns});
+  TrajectoryFile file = ReadTrajectoryFile(path);
+  SetRowTimes({poses[0].timestamp_ns, poses[1].timestamp_ns}, file);
+  const Trajectory& read = file.poses;
+  EXPECT_EQ(read[1].timestamp_ns, poses[1].timestamp_ns);
   ASSERT_EQ(read.size(), 2U);
   EXPECT_EQ(read[0].world_from_body.translation, poses[0].world_from_body.translation);
   EXPECT_LT(read[0].world_from_body.rotation.angularDistance(poses[0].world_from_body.rotation),

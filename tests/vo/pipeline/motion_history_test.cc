@@ -34,5 +34,16 @@ TEST(MotionHistory, AMotionAcrossABreakIsNone) {
   EXPECT_DOUBLE_EQ(history.Guesses()[1].translation.x(), 5.0);
 }
 
+TEST(MotionHistory, PredictsAMotionThatComesToRest) {
+  constexpr int64_t kSecond = 1'000'000'000;
+  MotionHistory history;
+  history.Add(At(0, 1.0), /*starts_segment=*/true);
+  EXPECT_DOUBLE_EQ(history.Predict(kSecond).translation.x(), 1.0);
+  history.Add(At(kSecond / 10, 1.2), /*starts_segment=*/false);
+  // 2 m/s: a tenth of a second later nearly as far again, in the end a metre on.
+  EXPECT_NEAR(history.Predict(kSecond / 5).translation.x(), 1.38, 0.005);
+  EXPECT_NEAR(history.Predict(100 * kSecond).translation.x(), 2.2, 1e-9);
+}
+
 }  // namespace
 }  // namespace gluevo::vo

@@ -4,6 +4,7 @@
 
 #include <memory>
 #include <numbers>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -165,30 +166,92 @@ TEST(Odometry, DeclaresAResetWhenTracksVanish) {
 }
 
 TEST(Odometry, NeverJumpsSilently) {
-  // Wrong matches only (ids shuffled) for one frame, a blind frame, and a frame of values that
-  // are not finite: each is declared, and all poses stay finite.
+  // Wrong matches only (ids shuffled) for one frame: declared. All poses stay finite.
   const auto truth = Flight(60);
   auto frames = Observe(truth, {.noise_px = 0.5});
   for (std::size_t k = 0; k < frames[20].observations.size(); ++k) {
     frames[20].observations[k].track_id =
         frames[19].observations[(k * 37 + 11) % frames[19].observations.size()].track_id;
   }
-  frames[40].observations.clear();
-  for (Observation& observation : frames[50].observations) {
-    observation.left.setConstant(std::nan(""));
-    observation.right.setConstant(std::nan(""));
-  }
   const auto results = RunOdometry(frames);
   for (std::size_t i = 1; i < results.size(); ++i) {
     ASSERT_TRUE(results[i].world_from_body.translation.allFinite()) << i;
+    EXPECT_FALSE(results[i].is_predicted);
     if (results[i].segment == results[i - 1].segment) {
       EXPECT_LT(MotionErrors(results, truth, i - 1, i).position_m, 0.05) << i;
     }
   }
   EXPECT_GT(results[20].segment, results[19].segment);
-  EXPECT_GT(results[40].segment, results[39].segment);
-  EXPECT_GT(results[50].segment, results[49].segment);
-  EXPECT_EQ(results[59].segment, results[51].segment);
+}
+
+void MakeBlind(TrackedFrame* frame) { frame->observations.clear(); }
+
+TEST(Odometry, PassesOverFramesThatShowNothing) {
+  // A blind frame, three of them, one of values that are not finite, and one in which nothing that
+  // the left camera sees is seen before or by the right one.
+  const auto truth = Flight(80);
+  auto frames = Observe(truth, {.noise_px = 0.5});
+  MakeBlind(&frames[20]);
+  for (const int i : {30, 31, 32}) {
+    MakeBlind(&frames[i]);
+  }
+  for (Observation& observation : frames[50].observations) {
+    observation.left.setConstant(std::nan(""));
+  }
+  for (Observation& observation : frames[60].observations) {
+    observation.track_id += 100'000;
+    observation.has_right = false;
+  }
+  const auto results = RunOdometry(frames);
+  const std::set<std::size_t> blind = {20, 30, 31, 32, 50, 60};
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    EXPECT_EQ(results[i].segment, 0) << i;
+    EXPECT_EQ(results[i].is_predicted, blind.contains(i)) << i;
+    EXPECT_FALSE(results[i].is_predicted && results[i].is_keyframe) << i;
+    // The motion goes on meanwhile, slower and slower.
+    EXPECT_LT(MotionErrors(results, truth, 0, i).position_m, 0.15) << i;
+  }
+}
+
+TEST(Odometry, ALongTimeInTheDarkIsABreakAndNotOneAFrame) {
+  const auto truth = Flight(80);
+  auto frames = Observe(truth, {.noise_px = 0.5});
+  for (int i = 0; i < 3; ++i) {  // At the start, too.
+    MakeBlind(&frames[i]);
+  }
+  for (int i = 30; i < 50; ++i) {
+    MakeBlind(&frames[i]);
+  }
+  const auto results = RunOdometry(frames);
+  EXPECT_EQ(results[2].segment, 0);
+  EXPECT_EQ(results[3].segment, 1);
+  EXPECT_EQ(results[39].segment, 1);
+  EXPECT_TRUE(results[39].is_predicted);
+  EXPECT_EQ(results[40].segment, 2);  // 1.1 s after the last one that was located.
+  EXPECT_EQ(results[49].segment, 2);
+  EXPECT_EQ(results[50].segment, 3);
+  EXPECT_EQ(results[79].segment, 3);
+  EXPECT_LT(MotionErrors(results, truth, 50, 79).position_m, 0.1);
+}
+
+TEST(Odometry, SaysWhatItSawInFramesThatItLost) {
+  const auto truth = Flight(30);
+  auto frames = Observe(truth, {.noise_px = 0.5});
+  // A thousandth of the time: 45 times the speed of sound.
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    frames[i].timestamp_ns = static_cast<int64_t>(i) * kStepNs / 1000;
+    for (Observation& observation : frames[i].observations) {
+      observation.tracking_confidence = i > 0 ? 1.0F : 0.0F;
+    }
+  }
+  const auto results = RunOdometry(frames);
+  EXPECT_EQ(results[0].matched, 0);
+  EXPECT_EQ(results[0].tracked, 0);
+  EXPECT_EQ(results[1].segment, 1);
+  EXPECT_GT(results[1].matched, 50);
+  EXPECT_GT(results[1].tracked, 50);
+  EXPECT_EQ(results[1].inliers, 0);
+  EXPECT_GT(results[1].refused_speed_m_per_s, 60.0);
 }
 
 TEST(Odometry, TriesTheFrontEndsOtherWays) {

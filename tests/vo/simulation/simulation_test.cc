@@ -268,6 +268,17 @@ TEST(SimulationTest, ReplacesWhatAKilledRunLeft) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.part"));
 }
 
+TEST(SimulationTest, CanBeEndedBeforeItsFirstImage) {
+  struct Ended {};
+  const TemporaryFolder folder;
+  SimulationOptions options = Small();
+  options.threads = 2;
+  options.checkpoint = [] { throw Ended(); };
+  const auto show = [](int, int) { ADD_FAILURE() << "the room was made first"; };
+  EXPECT_THROW(Simulate(options, folder.path() / "out", show), Ended);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
 TEST(SimulationTest, RefusesOptionsOutOfRange) {
   SimulationOptions options;
   EXPECT_EQ(ErrorOf(options), "");

@@ -18,10 +18,16 @@ struct FrameResult {
   /// Starts at 0 and grows by one where the pose could not be linked to those before: poses of
   /// different segments have nothing to do with each other.
   int segment = 0;
-  int observations = 0;                     ///< Tracks in the frame.
-  int tracked = 0;                          ///< Of these, known points (with a depth) from before.
-  int stereo = 0;                           ///< Of these, seen by both cameras.
-  int inliers = 0;                          ///< Known points that agree with the pose.
+  /// The frame shows nothing by which it could be located: its pose is guessed from the motion
+  /// before, and the frames after it are matched with those before it.
+  bool is_predicted = false;
+  int observations = 0;  ///< Tracks in the frame.
+  int matched = 0;       ///< Of these, those found again from frames before.
+  int tracked = 0;       ///< Of these, known points (with a depth).
+  int stereo = 0;        ///< Of these, seen by both cameras.
+  int inliers = 0;       ///< Known points that agree with the pose.
+  /// Of a pose that was found but not taken since nothing moves so fast; 0 where there was none.
+  double refused_speed_m_per_s = 0.0;
   int landmarks = 0;                        ///< Landmarks with a depth in the window.
   TrackedFrame tracked_frame;               ///< What the pose was estimated from.
   std::map<std::string, double> stages_ms;  ///< The front end's, "frontend" and "estimator".

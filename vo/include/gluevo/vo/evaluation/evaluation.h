@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,8 @@ struct PoseError {
 /// differ.
 struct Evaluation {
   std::size_t pairs = 0;
+  std::size_t estimate_poses = 0;  ///< All of the estimate.
+  std::size_t groundtruth_poses = 0;
   /// Absolute trajectory error: RMSE of positions after SE(3) and after Sim(3) alignment, metres
   /// (Sturm et al. 2012). Where the estimate or the ground truth does not move at all, only the
   /// means are aligned.
@@ -85,12 +88,21 @@ struct Evaluation {
   /// pairs - 1: what is left of it where frames are far apart and tracking breaks.
   std::size_t correct_motions = 0;
   /// Share of the ground truth's time that lies between the first and the last associated pose and
-  /// within gaps of at most 1 s (or thrice the median step) between them, 0 to 1.
+  /// within gaps of at most 1 s (or thrice the median step of the shorter trajectory) between
+  /// them, 0 to 1.
   double coverage = 0.0;
 };
 
 /// Throws Error where fewer than 3 poses associate. Both trajectories must be in order of time.
 Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
                     const EvaluationOptions& options);
+
+/// A sentence where fewer than half of the estimate's poses associate, or, where it is the shorter
+/// one, of the ground truth's: the options are those of the evaluation.
+std::optional<std::string> AssociationWarning(const Evaluation& evaluation,
+                                              const EvaluationOptions& options);
+
+/// A sentence where the scale is above 10 or below 0.1: one of both is hardly in metres.
+std::optional<std::string> ScaleWarning(const Evaluation& evaluation);
 
 }  // namespace gluevo::vo

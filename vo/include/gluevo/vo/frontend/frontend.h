@@ -14,6 +14,9 @@ struct FrameOutcome {
   /// The pose could not be linked to those before: of what was seen before this frame nothing is
   /// known any more.
   bool starts_segment = false;
+  /// It shows nothing by which it could be located: the next frame is to be matched with those
+  /// before it.
+  bool is_passed_over = false;
 };
 
 /// Throws Error naming the camera unless both images are CV_8UC1 of their cameras' sizes.

@@ -47,13 +47,14 @@ class KltFrontEnd final : public FrontEnd {
   /// Throws Error for options out of their range.
   KltFrontEnd(const StereoRig& rig, const KltOptions& options);
   TrackedFrame Track(const StereoFrame& frame) override;
+  void Accept(const FrameOutcome& outcome) override;
 
  private:
   struct Corner {
     int64_t id = 0;
     int length = 1;           // frames
     cv::Point2f pixel;        // in the newest left image
-    cv::Point2f motion = {};  // pixels, since the frame before
+    cv::Point2f motion = {};  // pixels a frame
   };
 
   void Follow();
@@ -64,8 +65,9 @@ class KltFrontEnd final : public FrontEnd {
   StereoRig rig_;
   EpipolarCheck epipolar_;
   KltOptions options_;
-  std::vector<Corner> tracks_;
+  std::vector<Corner> tracks_, last_tracks_;
   Pyramid left_, right_, last_left_;
+  int frames_since_last_ = 1;
   int64_t next_id_ = 0;
 };
 

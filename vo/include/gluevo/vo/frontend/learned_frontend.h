@@ -104,6 +104,7 @@ class LearnedFrontEnd : public FrontEnd {
   };
 
   void Advance();
+  void KeepFrame();
   void MakePyramids();
   bool FollowTracks();
   void RunNetworks();

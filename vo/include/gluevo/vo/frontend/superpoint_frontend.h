@@ -38,6 +38,7 @@ class SuperPointFrontEnd final : public FrontEnd {
   SuperPointFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureExtractor> extractor,
                      const SuperPointFrontEndOptions& options);
   TrackedFrame Track(const StereoFrame& frame) override;
+  void Accept(const FrameOutcome& outcome) override { klt_.Accept(outcome); }
 
  private:
   void Refine(const StereoFrame& images, TrackedFrame& frame) const;

@@ -15,22 +15,30 @@ namespace gluevo::vo {
 
 enum class DatasetFormat {
   kEuroc,          ///< EuRoC ASL and TUM-VI: mav0/cam0, mav0/cam1.
-  kKittiOdometry,  ///< image_0, image_1, calib.txt, times.txt.
-  /// image_00/data, image_01/data, image_00/timestamps.txt, calib_cam_to_cam.txt here or up to
-  /// three folders above. Times count from the first row of timestamps.txt.
+  kKittiOdometry,  ///< image_0, image_1 (or image_2, image_3), calib.txt, times.txt.
+  /// image_00/data, image_01/data (or 02 and 03; KITTI-360: data_rect), image_00/timestamps.txt,
+  /// calib_cam_to_cam.txt or perspective.txt here or up to three folders above. Times count from
+  /// the first row of timestamps.txt.
   kKittiRaw,
-  /// Two folders (left and right, cam0 and cam1, image_0 and image_1, image_00 and image_01) of
-  /// images that pair by name, and a calibration file. Times are the names where all are
-  /// nanoseconds of 16 digits or more or decimal seconds, else the pairs count as 10 a second.
+  /// Two folders of images (left and right, cam0 and cam1, ...), or one whose names tell left from
+  /// right, and a calibration file. Images pair by their times or numbers. Times are the names or
+  /// those of a times file, else numbers count as DatasetOptions::rate_hz a second.
   kPlain,
 };
 
 struct DatasetOptions {
   std::optional<DatasetFormat> format;  ///< Recognised where absent.
-  /// Kalibr camchain or OpenCV yaml: needed by kPlain, in place of sensor.yaml for kEuroc, an Error
-  /// for KITTI.
+  /// A file, or a folder with one, that ReadCalibration reads: needed by kPlain, in place of
+  /// sensor.yaml for kEuroc, an Error for KITTI.
   std::optional<std::filesystem::path> calibration;
+  /// The second file of a calibration that is in two.
+  std::optional<std::filesystem::path> calibration_mate;
   std::optional<std::filesystem::path> groundtruth;  ///< Found where the format says, if absent.
+  /// Images a second where a plain data set has no times; 10 where absent, with a warning.
+  std::optional<double> rate_hz;
+  /// How far the stamps of left and right image may be apart, seconds; a tenth of the time from
+  /// image to image where absent. KITTI's pair by number.
+  std::optional<double> pair_tolerance_s;
   /// Frames start, start + stride, ... at most count of them (-1: all).
   int start = 0;
   int count = -1;
@@ -48,9 +56,19 @@ struct Dataset {
   std::filesystem::path root;
   DatasetFormat format = DatasetFormat::kEuroc;
   StereoRig rig;
+  std::filesystem::path calibration;  ///< The file that the rig is from, for messages.
   std::vector<Entry> entries;
   /// Poses of the rig's body; absent where the data set has none.
   std::optional<Trajectory> groundtruth;
+  /// Bits that the gray values of 16-bit files use, the same for all images (image_file.h).
+  int gray_bits = 16;
+  /// Images of either camera that are in no entry: without a mate, or named in a list and missing.
+  int images_left_out = 0;
+  /// What a user should know, a sentence each: images left out, times that are assumed,
+  /// doubts about the calibration.
+  std::vector<std::string> warnings;
+  /// How the data set was understood where there was a choice, a sentence each.
+  std::vector<std::string> notes;
 
   /// Throws Error naming the image where it cannot be read or has another size than its camera.
   StereoFrame Read(std::size_t index) const;

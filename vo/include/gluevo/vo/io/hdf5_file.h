@@ -5,13 +5,20 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
 
 #include "gluevo/vo/io/hdf5_pointer.h"
 
+namespace gluevo::nn {
+class UnfinishedFile;
+}  // namespace gluevo::nn
+
 namespace gluevo::vo::internal {
+
+class H5OutputStorage;
 
 /// While it lives, HDF5 prints nothing to stderr and no other thread of ours is in HDF5 (which need
 /// not be built for threads).
@@ -53,7 +60,8 @@ class H5Handle {
 std::string H5Reason();
 
 /// A new HDF5 file, filled beside its place and renamed when whole. The same data in the same order
-/// give the same bytes. Throws Error naming file and object.
+/// give the same bytes. Throws Error naming file and object, also where the disk is full: then
+/// nothing is left of it, and HDF5 is none the worse.
 class H5OutputFile {
  public:
   explicit H5OutputFile(const std::filesystem::path& path);
@@ -77,11 +85,13 @@ class H5OutputFile {
   void Write(const std::string& dataset, const std::vector<hsize_t>& shape, hid_t file_type,
              hid_t memory_type, const void* values);
   void CheckOpen() const;
+  /// Why the last call failed, to end a message with.
+  std::string Reason() const;
 
   std::filesystem::path path_;
-  std::filesystem::path place_;
-  std::filesystem::path beside_;
-  H5Handle file_;
+  std::unique_ptr<nn::UnfinishedFile> unfinished_;
+  std::unique_ptr<H5OutputStorage> storage_;
+  H5Handle file_;  // Goes before what it is stored in.
 };
 
 /// An HDF5 file to read. Throws Error naming file and object.
@@ -92,6 +102,8 @@ class H5InputFile {
   H5InputFile(const H5InputFile&) = delete;
   H5InputFile& operator=(const H5InputFile&) = delete;
 
+  /// Whether there is something of this name, which has no slash.
+  bool Has(const std::string& name) const;
   /// The groups that hold something called `dataset`, by their full names without a leading slash,
   /// sorted.
   std::vector<std::string> GroupsWith(const std::string& dataset) const;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gluevo/vo/core/trajectory.h"
@@ -11,33 +13,54 @@
 namespace gluevo::vo {
 
 enum class TrajectoryFormat {
-  kTum,    ///< "t x y z qx qy qz qw" a line, seconds; '#' comments.
-  kEuroc,  ///< csv "t[ns],x,y,z,qw,qx,qy,qz[,...]"; '#' comments.
-  kKitti,  ///< 12 numbers a line, the rows of [R | t]; no times.
+  kTum,    ///< A table between blanks, by default "t x y z qx qy qz qw" in seconds.
+  kEuroc,  ///< A table between commas or semicolons, by default "t[ns],x,y,z,qw,qx,qy,qz[,...]".
+  kKitti,  ///< 12 numbers a line, the rows of [R | t] (or 16, with 0 0 0 1); no times.
 };
 
-/// Tells the formats apart by the columns and separators of the first line that is no comment.
-/// Throws Error where the file cannot be read, is empty or is none of them.
+/// A trajectory file's content.
+struct TrajectoryFile {
+  TrajectoryFormat format = TrajectoryFormat::kTum;
+  /// In order of time. Of kKitti, which has no times: row n, from 0, at n seconds.
+  Trajectory poses;
+  std::size_t rows = 0;  ///< Of the file, those without a pose too.
+  /// A sentence for each thing that a user should know of how the file was read: an unusual unit or
+  /// order, rows left out, sorted rows, quaternions made unit length.
+  std::vector<std::string> notes;
+};
+
+/// Tells the formats apart by the columns and separators of the first row. Throws Error where the
+/// file cannot be read, is empty or is none of them.
 TrajectoryFormat RecognizeTrajectoryFormat(const std::filesystem::path& path);
 
-/// Reads any of the three formats. A KITTI file has no times: they come from `times` (KITTI's
-/// times.txt, seconds a line, as many lines as poses), or from ../sequences/NN/times.txt for
-/// poses/NN.txt, else Error; the other formats leave `times` unread. Times are exact to the
-/// nanosecond, whatever the number of digits. Throws Error with file and line for anything
-/// malformed, values that are not finite, quaternions whose length differs from 1 (or rotations
-/// that differ from a right-handed orthonormal matrix) by more than 0.01, and times that do not
-/// increase.
+/// Reads a trajectory from text; `path` is its name in messages, and not opened. Comments ('#', '%'
+/// or "//") and words before the first row are passed over; where they name the columns, in the
+/// ways of many tools, their order and unit are heeded. Else the form's default order is taken, and
+/// columns behind it are passed over. The unit of times is told by their digits and distances.
+/// Times are exact to the nanosecond, whatever the number of digits. Rows with NaN, infinity or
+/// nothing in a pose are left out; rows are sorted; of rows with the same time the first is taken;
+/// quaternions are made unit length: all that is in `notes`. Throws Error with file and line for
+/// anything else that is malformed, quaternions shorter than 0.1 or longer than 10, rotations that
+/// differ from a right-handed orthonormal matrix by more than 0.01, times that are the same for
+/// want of digits, and text that is no UTF-8.
+TrajectoryFile ParseTrajectory(std::string_view text, const std::filesystem::path& path);
+
+/// Reads a file so. Throws Error, too, where it cannot be read.
+TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path);
+
+/// Gives row n of a kKitti file the time times_ns[n]; rows beyond the last time are left out.
+void SetRowTimes(const std::vector<int64_t>& times_ns, TrajectoryFile& file);
+
+/// Reads a file, of kKitti with times: of `times` (KITTI's times.txt, seconds a line), or from
+/// ../sequences/NN/times.txt for poses/NN.txt, else Error; as it is where there are not as many as
+/// poses. The other formats leave `times` unread.
+TrajectoryFile ReadTrajectoryWithTimes(
+    const std::filesystem::path& path,
+    const std::optional<std::filesystem::path>& times = std::nullopt);
+
+/// The poses of ReadTrajectoryWithTimes.
 Trajectory ReadTrajectory(const std::filesystem::path& path,
                           const std::optional<std::filesystem::path>& times = std::nullopt);
-
-/// Reads a KITTI file whose row n belongs to times_ns[n]. Throws Error as above, and where the
-/// numbers of rows and of times differ.
-Trajectory ReadKittiTrajectory(const std::filesystem::path& path,
-                               const std::vector<int64_t>& times_ns);
-
-/// Reads a KITTI file on its own, row n at n seconds: two files of the same sequence associate by
-/// their rows.
-Trajectory ReadKittiTrajectoryByRow(const std::filesystem::path& path);
 
 /// Reads times, seconds a line ('#' comments), as nanoseconds. Throws Error with file and line for
 /// anything malformed and for times that do not increase.

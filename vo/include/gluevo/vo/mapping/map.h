@@ -52,6 +52,9 @@ struct Map {
   std::vector<Point> points;
 };
 
+/// Throws Error where a name has blanks, which COLMAP's text files cannot hold: MapRecorder would.
+void CheckImageNames(const std::array<std::string, 2>& names);
+
 /// Gathers the map over a run: poses as they were estimated when the frame came (never revised),
 /// each point as the window knew it last. Grows with the number of key frames, by some 30 bytes an
 /// observation.

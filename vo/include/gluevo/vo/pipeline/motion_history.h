@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,9 @@ class MotionHistory {
   /// Where the rig may be one frame later: at rest, and, where the segment has two poses, after the
   /// last motion once more. Guesses only: RANSAC finds motions that are neither.
   std::vector<Rigid3> Guesses() const;
+  /// Where it goes from the last pose by `timestamp_ns` if it moves on and comes to rest within a
+  /// second or so. There must be a last pose.
+  Rigid3 Predict(int64_t timestamp_ns) const;
 
  private:
   std::optional<StampedPose> last_, last_but_one_;

@@ -48,11 +48,17 @@ class Odometry {
   TrackedFrame Track(const StereoFrame& frame);
   /// Another way to match the frame that the front end gave last; false where there is none.
   bool Retry(TrackedFrame& tracked);
-  std::optional<FramePose> Locate(const TrackedFrame& frame) const;
+  /// Also says in `result` what it was located by.
+  std::optional<FramePose> Locate(const TrackedFrame& frame, FrameResult& result) const;
+  /// Whether a frame that cannot be located is no reason to give up what is known.
+  bool MayPassOver(const TrackedFrame& frame) const;
+  void PassOver(FrameResult& result);
   /// Takes the frame into the window. False where the estimate diverges.
   bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
   FramePose StartSegment(const TrackedFrame& frame);
-  void Describe(const FramePose& pose, FrameResult& result) const;
+  void Describe(FrameResult& result) const;
+  /// Of a motion from the last pose, metres a second.
+  double SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const;
   bool IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const;
 
   std::unique_ptr<nn::ThreadPool> pool_;  // Outlives the front end; absent for a user's own.
@@ -61,7 +67,9 @@ class Odometry {
   OdometryOptions options_;
   std::unique_ptr<SlidingWindow> window_;  // Never absent.
   MotionHistory history_;
+  std::optional<int64_t> last_timestamp_ns_;  // Of frames that were passed over, too.
   int segment_ = 0;
+  int passed_over_ = 0;  // Frames since the last one that was not.
 };
 
 }  // namespace gluevo::vo

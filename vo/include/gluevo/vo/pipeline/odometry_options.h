@@ -11,6 +11,11 @@ struct OdometryOptions {
   /// Faster motion than this between two frames is a failure, not a motion.
   double max_speed_m_per_s = 60.0;
   double max_turn_deg_per_s = 720.0;
+  /// A frame seen by both cameras in fewer points than this shows nothing: where it cannot be
+  /// located its pose is predicted, and the frames after it are matched with those before it.
+  int min_stereo = 15;
+  /// After so long without a located frame the next one starts a segment, seconds.
+  double max_predicted_s = 1.0;
 
   /// Throws Error naming the option.
   void Validate() const;

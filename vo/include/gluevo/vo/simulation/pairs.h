@@ -17,6 +17,9 @@ struct PairOptions {
   bool depth = false;
   /// 0: as many as the machine has. The files are the same bytes for any number.
   int threads = 0;
+  /// Called often, from several threads at once, also before the first progress is made: what it
+  /// throws ends the work and is thrown by it. Empty: nothing is called.
+  std::function<void()> checkpoint;
 
   /// Throws Error naming the option.
   void Validate() const;

@@ -65,6 +65,9 @@ struct SimulationOptions {
   bool correspondences = false;
   /// 0: as many as the machine has. The files are the same bytes for any number.
   int threads = 0;
+  /// Called often, from several threads at once, also before the first progress is made: what it
+  /// throws ends the work and is thrown by it. Empty: nothing is called.
+  std::function<void()> checkpoint;
 
   /// Throws Error naming the option.
   void Validate() const;
@@ -92,8 +95,8 @@ vo::StereoRig SimulationRig(int width, int height);
 ///
 /// The folder is made under the name "DIRECTORY.part" and renamed when whole; what a killed run
 /// left under that name is replaced. `progress` is called with the images done and all images, from
-/// one thread at a time. Throws Error where the directory exists or cannot be written, and where
-/// the trajectory cannot be read or flown.
+/// one thread at a time; what it throws ends the work and is thrown here. Throws Error where the
+/// directory exists or cannot be written, and where the trajectory cannot be read or flown.
 void Simulate(const SimulationOptions& options, const std::filesystem::path& directory,
               const std::function<void(int, int)>& progress = {});
 

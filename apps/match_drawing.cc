@@ -1,0 +1,47 @@
+#include "match_drawing.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "gluevo/nn/error.h"
+#include "gluevo/nn/output_file.h"
+
+namespace gluevo::apps {
+
+void CheckPlaceForDrawing(const std::filesystem::path& path) {
+  if (!cv::haveImageWriter(path.string())) {
+    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
+  }
+  nn::CheckPlaceForFile(path);
+}
+
+void DrawMatches(const std::filesystem::path& path, const cv::Mat& image0, const cv::Mat& image1,
+                 const nn::Features& features0, const nn::Features& features1,
+                 const nn::Matches& matches) {
+  cv::Mat canvas(std::max(image0.rows, image1.rows), image0.cols + image1.cols, CV_8UC3,
+                 cv::Scalar::all(0));
+  cv::cvtColor(image0, canvas(cv::Rect(0, 0, image0.cols, image0.rows)), cv::COLOR_GRAY2BGR);
+  cv::cvtColor(image1, canvas(cv::Rect(image0.cols, 0, image1.cols, image1.rows)),
+               cv::COLOR_GRAY2BGR);
+  for (int i = 0; i < features0.size(); ++i) {
+    const int match = matches.matches0[i];
+    if (match >= 0) {
+      const cv::Point2f from(features0.keypoints(i, 0), features0.keypoints(i, 1));
+      const cv::Point2f to(features1.keypoints(match, 0) + static_cast<float>(image0.cols),
+                           features1.keypoints(match, 1));
+      const double sure = matches.scores0[i];
+      cv::line(canvas, from, to, cv::Scalar(0, 255.0 * sure, 255.0 * (1.0 - sure)), 1, cv::LINE_AA);
+    }
+  }
+  std::vector<uchar> bytes;
+  cv::imencode(path.extension().string(), canvas, bytes);
+  nn::WriteWholeFile(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  });
+}
+
+}  // namespace gluevo::apps

@@ -1,0 +1,100 @@
+#include "run_outputs.h"
+
+#include <exception>
+#include <map>
+#include <utility>
+
+#include "gluevo/nn/output_file.h"
+#include "gluevo/vo/io/trajectory_file.h"
+#include "gluevo/vo/mapping/map.h"
+#include "report/run_report.h"
+
+namespace gluevo::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string TrajectoryHeader(const vo::StereoRig& rig) {
+  return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
+}
+
+void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
+  const vo::Map map = recorder.Build();
+  vo::WritePly(directory, map);
+  vo::WriteColmap(directory / "colmap", map);
+}
+
+// As a trajectory is written.
+struct Format {
+  vo::TrajectoryFormat format;
+  const char* extension;
+};
+
+const Format& FormatOf(const RunPlaces& places) {
+  static const std::map<std::string, Format> formats = {
+      {"tum", {vo::TrajectoryFormat::kTum, ".tum"}},
+      {"euroc", {vo::TrajectoryFormat::kEuroc, ".csv"}},
+      {"kitti", {vo::TrajectoryFormat::kKitti, ".txt"}}};
+  return formats.at(places.trajectory_format);
+}
+
+void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
+                       const RunRecords& records) {
+  const Format& format = FormatOf(places);
+  const std::string header = TrajectoryHeader(dataset.rig);
+  for (const auto& [name, trajectory] :
+       {std::pair{"trajectory", &records.trajectory}, std::pair{"keyframes", &records.keyframes}}) {
+    vo::WriteTrajectory(places.folder / (std::string(name) + format.extension), *trajectory,
+                        format.format, header);
+  }
+}
+
+void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
+                 const RunRecords& records, const RunMetrics::Context& context) {
+  RunReport report = records.metrics.Report(context);
+  report.dataset = name;
+  report.rig = dataset.rig;
+  report.groundtruth = dataset.groundtruth;
+  report.strip = records.strip.frames();
+  WriteRunReport(places.folder / "report.html", report);
+}
+
+}  // namespace
+
+std::vector<fs::path> OutputFiles(const RunPlaces& places) {
+  const std::string extension = FormatOf(places).extension;
+  return {places.folder / ("trajectory" + extension), places.folder / ("keyframes" + extension),
+          places.folder / "metrics.json", places.folder / "report.html"};
+}
+
+// The names of what a run puts into its folder may be taken by folders.
+void CheckPlaces(const RunPlaces& places) {
+  for (const fs::path& file : OutputFiles(places)) {
+    nn::CheckPlaceForFile(file);
+  }
+}
+
+std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
+                         const std::string& name, RunRecords& records,
+                         const RunMetrics::Context& context) {
+  std::string failure;
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      failure = failure.empty() ? error.what() : failure;
+    }
+  };
+  attempt([&] { WriteTrajectories(places, dataset, records); });
+  attempt([&] { records.metrics.Write(places.folder / "metrics.json", context); });
+  attempt([&] { WriteReport(places, dataset, name, records, context); });
+  if (records.matches) {
+    attempt([&] { records.matches->Finish(); });
+  }
+  if (records.map) {
+    attempt([&] { WriteMap(places.map, *records.map); });
+  }
+  return failure;
+}
+
+}  // namespace gluevo::apps

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/io/dataset.h"
+#include "run_frames.h"
+#include "run_metrics.h"
+
+namespace gluevo::apps {
+
+/// Where a run puts what it makes.
+struct RunPlaces {
+  std::filesystem::path folder;
+  std::string trajectory_format = "tum";  ///< tum, euroc or kitti
+  std::filesystem::path map;              ///< Empty: none.
+};
+
+/// What a run puts into its folder, the map apart.
+std::vector<std::filesystem::path> OutputFiles(const RunPlaces& places);
+
+/// Throws Error where a file in the folder, which must be there, could not be put in its place.
+void CheckPlaces(const RunPlaces& places);
+
+/// Writes all that the run makes. Where one file cannot be written the others are; the first
+/// failure is returned, empty where there is none. `name`: the data set as the user named it.
+std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
+                         const std::string& name, RunRecords& records,
+                         const RunMetrics::Context& context);
+
+}  // namespace gluevo::apps

@@ -1,0 +1,85 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "gluevo/nn/error.h"
+#include "run_metrics.h"
+
+// What people are told about how a run went.
+namespace gluevo::apps {
+namespace {
+
+std::string Counted(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::vector<std::string> RunMetrics::AllWarnings(const Context& context) const {
+  std::vector<std::string> warnings = context.dataset_warnings;
+  const std::vector<std::string> of_run = Warnings(context);
+  warnings.insert(warnings.end(), of_run.begin(), of_run.end());
+  return warnings;
+}
+
+std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
+  std::vector<std::string> warnings;
+  if (context.is_interrupted || !context.failure.empty()) {
+    warnings.push_back((context.is_interrupted ? "interrupted" : "ended early") +
+                       std::string(" after ") + std::to_string(frames_.size() + left_out_.size()) +
+                       " of " + Counted(context.frames_asked, "frame") +
+                       (context.is_interrupted ? "" : ": " + context.failure));
+  }
+  if (!left_out_.empty()) {
+    warnings.push_back(Counted(left_out_.size(), "frame") +
+                       " left out that cannot be read, the first one: " + left_out_.front().why);
+  }
+  warnings.insert(warnings.end(), context.causes.begin(), context.causes.end());
+  // The first frame has nothing to be tracked from.
+  constexpr double kNextToNothing = 15.0;
+  if (frames_.size() > 1 && MedianMatches(&vo::FrameResult::matched) < kNextToNothing) {
+    warnings.emplace_back("matching from frame to frame yields next to nothing");
+  } else if (frames_.size() > 1 && MedianMatches(&vo::FrameResult::inliers) < kNextToNothing) {
+    warnings.push_back(
+        "of the matches from frame to frame next to nothing fits a motion: a frame has " +
+        std::to_string(std::lround(MedianMatches(&vo::FrameResult::matched))) + ", of these " +
+        std::to_string(std::lround(MedianMatches(&vo::FrameResult::tracked))) +
+        " of points whose depth is known, of these " +
+        std::to_string(std::lround(MedianMatches(&vo::FrameResult::inliers))) + " that fit");
+  }
+  if (!frames_.empty() && MedianMatches(&vo::FrameResult::stereo) < kNextToNothing) {
+    warnings.emplace_back("matching from left to right yields next to nothing");
+  }
+  const auto predicted = static_cast<std::size_t>(
+      std::count_if(frames_.begin(), frames_.end(),
+                    [](const vo::FrameResult& frame) { return frame.is_predicted; }));
+  if (predicted > 0) {
+    warnings.push_back(Counted(predicted, "pose") +
+                       " predicted from the motion before: the frames show nothing by which they "
+                       "could be located");
+  }
+  if (Resets() > 0) {
+    warnings.push_back("tracking was lost " + std::to_string(Resets()) +
+                       " times: poses of different segments are not linked");
+  }
+  return warnings;
+}
+
+std::string RunMetrics::WhyNothingWasRead() const {
+  return (left_out_.size() > 1
+              ? "none of the " + std::to_string(left_out_.size()) + " frames can be read: "
+              : "") +
+         left_out_.front().why;
+}
+
+void RunMetrics::CheckThatSomethingWasTracked(const Context& context) const {
+  const bool is_located =
+      std::any_of(frames_.begin(), frames_.end(),
+                  [](const vo::FrameResult& frame) { return frame.inliers > 0; });
+  if (frames_.size() > 1 && !is_located) {
+    throw Error("nothing was tracked over " + Counted(frames_.size(), "frame") +
+                (context.causes.empty() ? "" : ": " + context.causes.front()));
+  }
+}
+
+}  // namespace gluevo::apps
