@@ -1,40 +1,39 @@
-#include <vector>
+#include <algorithm>
 
 #include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/estimator/sliding_window.h"
+#include "sliding_window_workspace.h"
 #include "window_ceres.h"
-#include "window_problem.h"
-#include "window_solver.h"
 
 // Bundle adjustment: the window as a problem of its own, and what comes out of it taken over.
 namespace gluevo::vo {
 
-WindowProblem SlidingWindow::MakeProblem() const {
-  WindowProblem problem;
+void SlidingWindow::StartProblem() {
+  WindowProblem& problem = workspace_->problem;
   problem.body_from_cam = rig_.body_from_cam;
   problem.weight = 1.0 / FromReferencePx(options_.noise_px);
   problem.huber = options_.huber;
+  problem.turn.setZero();
   problem.turn_sigma = 1e-3 * options_.right_turn_sigma_mrad;
   problem.turn_so_far = TurnBetween(calibrated_body_from_right_, rig_.body_from_cam[1].rotation);
-  problem.world_from_body.reserve(frames_.size());
-  for (const Frame& frame : frames_) {
-    problem.world_from_body.push_back(frame.world_from_body);
+  problem.world_from_body.resize(frames_.size());
+  std::transform(frames_.begin(), frames_.end(), problem.world_from_body.begin(),
+                 [](const Frame& frame) { return frame.world_from_body; });
+  problem.points.clear();
+  problem.views.clear();
+  problem.prior = nullptr;
+}
+
+void SlidingWindow::AddPriorToProblem() {
+  if (!prior_) {
+    return;
   }
-  if (prior_) {
-    problem.prior = &*prior_;
-    problem.prior_turn_so_far =
-        TurnBetween(prior_->body_from_right, rig_.body_from_cam[1].rotation);
-    problem.prior_frames.reserve(prior_->frame_ids.size());
-    for (const int64_t frame_id : prior_->frame_ids) {
-      problem.prior_frames.push_back(static_cast<int>(FrameIndex(frame_id)));
-    }
-  }
-  for (const auto& [id, landmark] : landmarks_) {
-    if (IsAdjusted(landmark)) {
-      AddToProblem(landmark, problem);
-    }
-  }
-  return problem;
+  WindowProblem& problem = workspace_->problem;
+  problem.prior = &*prior_;
+  problem.prior_turn_so_far = TurnBetween(prior_->body_from_right, rig_.body_from_cam[1].rotation);
+  problem.prior_frames.resize(prior_->frame_ids.size());
+  std::transform(prior_->frame_ids.begin(), prior_->frame_ids.end(), problem.prior_frames.begin(),
+                 [this](int64_t frame_id) { return static_cast<int>(FrameIndex(frame_id)); });
 }
 
 // A landmark of a single frame tells nothing about poses, and its stereo gave its depth.
@@ -42,7 +41,8 @@ bool SlidingWindow::IsAdjusted(const Landmark& landmark) {
   return landmark.point && landmark.views.size() > 1;
 }
 
-void SlidingWindow::AddToProblem(const Landmark& landmark, WindowProblem& problem) const {
+void SlidingWindow::AddToProblem(const Landmark& landmark) {
+  WindowProblem& problem = workspace_->problem;
   WindowProblem::Point point{
       .position = *landmark.point,
       .anchor = static_cast<int>(FrameIndex(landmark.views.front().frame_id)),
@@ -76,12 +76,18 @@ bool SlidingWindow::Optimize() {
   if (frames_.size() < 2) {
     return true;
   }
-  WindowProblem problem = MakeProblem();
+  StartProblem();
+  AddPriorToProblem();
+  for (const auto& [id, landmark] : landmarks_) {
+    if (IsAdjusted(landmark)) {
+      AddToProblem(landmark);
+    }
+  }
+  WindowProblem& problem = workspace_->problem;
   const WindowSolverLimits limits{.max_iterations = options_.max_iterations,
                                   .least_decrease = options_.least_decrease};
-  const bool is_solved = options_.solver == "ceres"
-                             ? SolveByCeres(problem, limits)
-                             : WindowSolver().Solve(problem, limits);
+  const bool is_solved = options_.solver == "ceres" ? SolveByCeres(problem, limits)
+                                                    : workspace_->solver.Solve(problem, limits);
   if (is_solved) {
     TakeOver(problem);
   }

@@ -13,6 +13,16 @@ namespace gluevo::vo {
 /// the turn of the right camera, and points that the frames see (Qin et al. 2018, section VI).
 /// A solver changes `world_from_body` (but for the first, the gauge), `turn` and the points.
 ///
+/// To add a measurement that is not a view, an inertial one between two frames that follow each
+/// other, say:
+/// - its data become a member here, and what it estimates besides the pose (velocity, biases) a
+///   vector with an entry a frame, here and in WindowState;
+/// - WindowColumns::kFrame grows to the size of a frame's whole tangent (15), the pose's first: the
+///   points' elimination speaks of the first six columns of a frame and stays as it is;
+/// - a file of its own, like window_priors.h, has its cost and adds its part of the normal
+///   equations to a WindowSystem; WindowEquations calls both where it calls the priors';
+///   WindowSolver moves a state by a frame's whole step.
+///
 /// All points are on the normalised plane; `weight` is one over their standard deviation there, so
 /// residuals have no unit. A point is carried homogeneously, as ray + inverse depth * (...), so
 /// that it may be far away.
@@ -49,6 +59,13 @@ struct WindowProblem {
   std::vector<int> prior_frames;     ///< The frames that it speaks of, in its order.
   /// The turn from the prior's linearisation point to body_from_cam.
   Eigen::Vector3d prior_turn_so_far = Eigen::Vector3d::Zero();
+};
+
+/// What a solver changes, as it goes: the parts of WindowProblem of the same names.
+struct WindowState {
+  std::vector<Rigid3> world_from_body;
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Vector3d> points;
 };
 
 /// When a solver ends. By counts and costs and never by time, so that results repeat.

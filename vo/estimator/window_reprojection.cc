@@ -1,56 +1,50 @@
 #include "window_reprojection.h"
 
+#include <Eigen/LU>
+
 #include "gluevo/vo/geometry/manifold.h"
 #include "gluevo/vo/geometry/projection.h"
 
 namespace gluevo::vo {
-namespace {
-
-using Rows2x3 = Eigen::Matrix<double, 2, 3>;
-
-/// Each row a becomes a^T [v]_x = (a x v)^T.
-Rows2x3 TimesSkew(const Rows2x3& rows, const Eigen::Vector3d& v) {
-  Rows2x3 result;
-  result.col(0) = rows.col(1) * v.z() - rows.col(2) * v.y();
-  result.col(1) = rows.col(2) * v.x() - rows.col(0) * v.z();
-  result.col(2) = rows.col(0) * v.y() - rows.col(1) * v.x();
-  return result;
-}
-
-Eigen::Vector3d Ray(const Eigen::Vector3d& point) { return {point.x(), point.y(), 1.0}; }
-
-}  // namespace
 
 void WindowGeometry::Set(const WindowProblem& problem, const std::vector<Rigid3>& world_from_body,
                          const Eigen::Vector3d& turn) {
   frames_ = world_from_body.size();
+  const Eigen::Matrix3d body_from_left = problem.body_from_cam[0].rotation.toRotationMatrix();
+  const Eigen::Vector3d& left_in_body = problem.body_from_cam[0].translation;
+  world_from_body_rotation_.resize(frames_);
+  world_from_left_rotation_.resize(frames_);
+  body_center_in_world_.resize(frames_);
+  left_center_in_world_.resize(frames_);
+  relative_by_anchor_.resize(frames_);
+  for (std::size_t i = 0; i < frames_; ++i) {
+    const Eigen::Matrix3d rotation = world_from_body[i].rotation.toRotationMatrix();
+    world_from_body_rotation_[i] = rotation;
+    world_from_left_rotation_[i] = rotation * body_from_left;
+    body_center_in_world_[i] = world_from_body[i].translation;
+    left_center_in_world_[i] = rotation * left_in_body + world_from_body[i].translation;
+    relative_by_anchor_[i] << world_from_left_rotation_[i].transpose(),
+        -body_from_left.transpose() * Skew(left_in_body), Eigen::Matrix3d::Zero(),
+        body_from_left.transpose();
+  }
+
+  const Eigen::Matrix3d turned = Eigen::Matrix3d::Identity() + Skew(turn);
+  before_turn_ = turned.inverse();
+  pairs_.resize(frames_ * frames_ * 2);
   for (std::size_t c = 0; c < 2; ++c) {
     const Rigid3 cam_from_body = problem.body_from_cam[c].Inverse();
-    cameras_[c] = {cam_from_body.rotation.toRotationMatrix(), cam_from_body.translation,
-                   Eigen::Matrix3d::Identity()};
-  }
-  cameras_[1].turn += Skew(turn);
-  body_from_left_rotation_ = problem.body_from_cam[0].rotation.toRotationMatrix();
-  left_center_in_body_ = problem.body_from_cam[0].translation;
-  world_from_body_rotation_.resize(frames_);
-  for (std::size_t i = 0; i < frames_; ++i) {
-    world_from_body_rotation_[i] = world_from_body[i].rotation.toRotationMatrix();
-  }
-  pairs_.resize(frames_ * frames_ * 2);
-  for (std::size_t anchor = 0; anchor < frames_; ++anchor) {
+    const Eigen::Matrix3d turn_of_cam = c == 0 ? Eigen::Matrix3d::Identity() : turned;
+    const Eigen::Matrix3d rotation = turn_of_cam * cam_from_body.rotation.toRotationMatrix();
+    const Eigen::Vector3d translation = turn_of_cam * cam_from_body.translation;
     for (std::size_t frame = 0; frame < frames_; ++frame) {
-      const Eigen::Matrix3d body_from_world = world_from_body_rotation_[frame].transpose();
-      const Eigen::Matrix3d frame_from_anchor = body_from_world * world_from_body_rotation_[anchor];
-      const Eigen::Vector3d anchor_from_frame_translation =
-          body_from_world *
-          (world_from_body[anchor].translation - world_from_body[frame].translation);
-      for (std::size_t c = 0; c < 2; ++c) {
-        const Camera& camera = cameras_[c];
+      const Eigen::Matrix3d cam_from_world =
+          rotation * world_from_body_rotation_[frame].transpose();
+      // A point is seen by its anchor and by frames behind that.
+      for (std::size_t anchor = 0; anchor <= frame; ++anchor) {
         pairs_[(anchor * frames_ + frame) * 2 + c] = {
-            camera.cam_from_body_rotation * frame_from_anchor * body_from_left_rotation_,
-            camera.cam_from_body_rotation *
-                    (frame_from_anchor * left_center_in_body_ + anchor_from_frame_translation) +
-                camera.cam_from_body_translation};
+            cam_from_world * world_from_left_rotation_[anchor],
+            cam_from_world * (left_center_in_world_[anchor] - body_center_in_world_[frame]) +
+                translation};
       }
     }
   }
@@ -60,54 +54,64 @@ Eigen::Vector2d WindowGeometry::Residual(const WindowProblem& problem,
                                          const WindowProblem::View& view, int anchor,
                                          const Eigen::Vector3d& point) const {
   const Pair& pair = PairOf(anchor, view);
-  const Eigen::Vector3d in_cam = cameras_[static_cast<std::size_t>(view.camera)].turn *
-                                 (pair.rotation * Ray(point) + point.z() * pair.translation);
+  const Eigen::Vector3d in_cam = pair.rotation.col(0) * point.x() +
+                                 pair.rotation.col(1) * point.y() + pair.rotation.col(2) +
+                                 pair.translation * point.z();
   if (!IsInFront(in_cam)) {
     return Eigen::Vector2d::Constant(kBehindResidual);
   }
-  return problem.weight * (in_cam.hnormalized() - view.seen);
+  return problem.weight * (in_cam.head<2>() * (1.0 / in_cam.z()) - view.seen);
 }
 
-ReprojectionRows WindowGeometry::Linearize(const WindowProblem& problem,
-                                           const WindowProblem::View& view, int anchor,
-                                           const Eigen::Vector3d& point) const {
-  ReprojectionRows rows;
+ReprojectionColumns WindowGeometry::Linearize(const WindowProblem& problem,
+                                              const WindowProblem::View& view, int anchor,
+                                              const Eigen::Vector3d& point) const {
+  ReprojectionColumns columns;
   const Pair& pair = PairOf(anchor, view);
-  const Camera& camera = cameras_[static_cast<std::size_t>(view.camera)];
-  const double inverse_depth = point.z();
-  const Eigen::Vector3d ray = Ray(point);
-  const Eigen::Vector3d before_turn = pair.rotation * ray + inverse_depth * pair.translation;
-  const Eigen::Vector3d in_cam = camera.turn * before_turn;
-  rows.is_in_front = IsInFront(in_cam);
-  if (!rows.is_in_front) {
-    rows.residual.setConstant(kBehindResidual);
-    return rows;
+  const Eigen::Vector3d in_cam = pair.rotation.col(0) * point.x() +
+                                 pair.rotation.col(1) * point.y() + pair.rotation.col(2) +
+                                 pair.translation * point.z();
+  columns.is_in_front = IsInFront(in_cam);
+  if (!columns.is_in_front) {
+    columns.residual.setConstant(kBehindResidual);
+    return columns;
   }
-  rows.residual = problem.weight * (in_cam.hnormalized() - view.seen);
-  const Rows2x3 by_turned = problem.weight * ProjectionJacobian(in_cam);
-  const Rows2x3 by_cam = by_turned * camera.turn;
-  rows.by_turn = -TimesSkew(by_turned, before_turn);
-  rows.by_point.leftCols<2>() = by_cam * pair.rotation.leftCols<2>();
-  rows.by_point.col(2) = by_cam * pair.translation;
-  if (view.frame == anchor) {
-    return rows;
+  const double inverse_z = 1.0 / in_cam.z();
+  const Eigen::Vector2d projected = in_cam.head<2>() * inverse_z;
+  columns.residual = problem.weight * (projected - view.seen);
+  const double scale = problem.weight * inverse_z;
+  const Eigen::Vector3d before_turn =
+      view.camera == 1 ? Eigen::Vector3d(before_turn_ * in_cam) : Eigen::Vector3d::Zero();
+  for (int row = 0; row < 2; ++row) {
+    // d residual / d point in the anchor's axes.
+    const Eigen::Vector3d by_ray =
+        scale * (pair.rotation.row(row) - projected(row) * pair.rotation.row(2)).transpose();
+    columns.by_point.col(row) << by_ray.head<2>(),
+        scale * (pair.translation(row) - projected(row) * pair.translation.z());
+    if (view.frame != anchor) {
+      columns.by_relative.col(row) << point.z() * by_ray,
+          point.y() * by_ray.z() - by_ray.y(),  // The ray x by_ray.
+          by_ray.x() - point.x() * by_ray.z(), point.x() * by_ray.y() - point.y() * by_ray.x();
+    }
+    if (view.camera == 1) {
+      const Eigen::Vector3d by_turned =
+          scale * (Eigen::Vector3d::Unit(row) - projected(row) * Eigen::Vector3d::UnitZ());
+      columns.by_turn.col(row) = before_turn.cross(by_turned);
+    }
   }
-  const Eigen::Matrix3d& world_from_anchor =
-      world_from_body_rotation_[static_cast<std::size_t>(anchor)];
-  const Eigen::Matrix3d& world_from_frame =
-      world_from_body_rotation_[static_cast<std::size_t>(view.frame)];
-  // The point times its inverse depth, in the bodies of the anchor and of the frame.
-  const Eigen::Vector3d in_anchor =
-      body_from_left_rotation_ * ray + inverse_depth * left_center_in_body_;
-  const Eigen::Vector3d in_frame = camera.cam_from_body_rotation.transpose() *
-                                   (before_turn - inverse_depth * camera.cam_from_body_translation);
-  const Rows2x3 by_frame_body = by_cam * camera.cam_from_body_rotation;
-  const Rows2x3 by_world = by_frame_body * world_from_frame.transpose();
-  rows.by_anchor.leftCols<3>() = inverse_depth * by_world;
-  rows.by_anchor.rightCols<3>() = -TimesSkew(by_world * world_from_anchor, in_anchor);
-  rows.by_frame.leftCols<3>() = -inverse_depth * by_world;
-  rows.by_frame.rightCols<3>() = TimesSkew(by_frame_body, in_frame);
-  return rows;
+  return columns;
+}
+
+Eigen::Matrix<double, 6, 6> WindowGeometry::RelativeByFrame(int anchor, int frame) const {
+  const auto a = static_cast<std::size_t>(anchor);
+  const auto f = static_cast<std::size_t>(frame);
+  const Eigen::Matrix3d left_from_world = world_from_left_rotation_[a].transpose();
+  const Eigen::Vector3d from_frame = left_center_in_world_[a] - body_center_in_world_[f];
+  const Eigen::Matrix3d left_from_frame = left_from_world * world_from_body_rotation_[f];
+  Eigen::Matrix<double, 6, 6> result;
+  result << -left_from_world, left_from_world * Skew(from_frame) * world_from_body_rotation_[f],
+      Eigen::Matrix3d::Zero(), -left_from_frame;
+  return result;
 }
 
 }  // namespace gluevo::vo

@@ -45,19 +45,19 @@ bool IsFinite(const WindowProblem& problem) {
 
 }  // namespace
 
-void WindowSolver::MoveBy(const State& from, State& to) const {
+void WindowSolver::MoveBy(const WindowState& from, WindowState& to) const {
+  const WindowColumns& columns = equations_.columns();
   const Eigen::VectorXd& step = equations_.state_step();
   to.world_from_body.resize(from.world_from_body.size());
-  to.world_from_body.front() = from.world_from_body.front();
-  for (std::size_t i = 1; i < from.world_from_body.size(); ++i) {
-    const auto column = static_cast<Eigen::Index>(kPoseTangentSize * (i - 1));
-    to.world_from_body[i] = Plus(from.world_from_body[i], step.segment<kPoseTangentSize>(column));
+  for (std::size_t i = 0; i < from.world_from_body.size(); ++i) {
+    const int column = columns.Of(static_cast<int>(i));
+    to.world_from_body[i] =
+        column < 0 ? from.world_from_body[i]
+                   : Plus(from.world_from_body[i], step.segment<kPoseTangentSize>(column));
   }
-  const auto poses =
-      static_cast<Eigen::Index>(kPoseTangentSize * (from.world_from_body.size() - 1));
   to.turn = from.turn;
-  if (step.size() > poses) {
-    to.turn += step.tail<3>();
+  if (columns.has_turn) {
+    to.turn += step.segment<3>(columns.Turn());
   }
   to.points.resize(from.points.size());
   for (std::size_t i = 0; i < from.points.size(); ++i) {
@@ -74,29 +74,24 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
   state_.points.resize(problem.points.size());
   std::transform(problem.points.begin(), problem.points.end(), state_.points.begin(),
                  [](const WindowProblem::Point& point) { return point.position; });
-  const auto linearize = [&] {
-    geometry_.Set(problem, state_.world_from_body, state_.turn);
-    equations_.Linearize(problem, geometry_, state_.world_from_body, state_.turn, state_.points);
-  };
-  linearize();
-  if (!std::isfinite(equations_.cost())) {
+  equations_.Set(problem);
+  equations_.Linearize(state_);
+  double cost = equations_.cost();
+  if (!std::isfinite(cost)) {
     return false;
   }
   TrustRegion region;
-  bool is_current = true;
-  double cost = equations_.cost();
+  bool is_linearized = true;
   for (iterations_ = 0; iterations_ < limits.max_iterations; ++iterations_) {
-    if (!is_current) {
-      linearize();
-      is_current = true;
+    if (!is_linearized) {
+      equations_.Linearize(state_);
+      is_linearized = true;
     }
     double gain = 0.0;
     double candidate_cost = 0.0;
     if (equations_.Solve(region.damping()) && equations_.predicted_decrease() > 0.0) {
       MoveBy(state_, candidate_);
-      geometry_.Set(problem, candidate_.world_from_body, candidate_.turn);
-      candidate_cost = WindowCost(problem, geometry_, candidate_.world_from_body, candidate_.turn,
-                                  candidate_.points);
+      candidate_cost = equations_.Cost(candidate_);
       gain = (cost - candidate_cost) / equations_.predicted_decrease();
     }
     if (!(gain > kLeastGain)) {
@@ -106,7 +101,7 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
       continue;
     }
     std::swap(state_, candidate_);
-    is_current = false;
+    is_linearized = false;
     region.Accept(gain);
     const bool is_done = cost - candidate_cost < limits.least_decrease * cost;
     cost = candidate_cost;

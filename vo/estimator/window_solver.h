@@ -1,11 +1,7 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "window_equations.h"
 #include "window_problem.h"
-#include "window_reprojection.h"
 
 namespace gluevo::vo {
 
@@ -19,19 +15,12 @@ class WindowSolver {
   bool Solve(WindowProblem& problem, const WindowSolverLimits& limits);
   /// Of the last problem.
   int iterations() const { return iterations_; }
-  double cost() const { return equations_.cost(); }
 
  private:
-  struct State {
-    std::vector<Rigid3> world_from_body;
-    Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-    std::vector<Eigen::Vector3d> points;
-  };
-  void MoveBy(const State& from, State& to) const;
+  void MoveBy(const WindowState& from, WindowState& to) const;
 
-  WindowGeometry geometry_;
   WindowEquations equations_;
-  State state_, candidate_;
+  WindowState state_, candidate_;
   int iterations_ = 0;
 };
 
