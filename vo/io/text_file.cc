@@ -255,6 +255,14 @@ std::optional<int64_t> ParseShifted(std::string_view text, int shift) {
   return decimal->negative ? -static_cast<int64_t>(value) : static_cast<int64_t>(value);
 }
 
+std::string Lowercase(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return lower;
+}
+
 std::optional<int64_t> ParseSeconds(std::string_view text) {
   constexpr int kDecimalsOfNanoseconds = 9;
   return ParseShifted(text, kDecimalsOfNanoseconds);

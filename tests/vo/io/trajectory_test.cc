@@ -203,7 +203,7 @@ TEST_F(TrajectoryTest, NamesFileAndLineOfWhatIsMalformed) {
   starts(ErrorOf("1 0,5 0,5 0 0 0 0 1\n"), ":1: decimal commas");
   starts(ErrorOf("1;0,5;0,5;0;0;0;0;1\n"), ":1: decimal commas");
   starts(ErrorOf("5 1 2 3\n"), ":1: not a trajectory: positions without rotations");
-  starts(ErrorOf("0 1 0 0 0 0 1 0 0 0 0 1 0\n"), ":1: a number and a matrix");
+  starts(ErrorOf("0 1 0 0 0 0 1 0 0 0 0 1 0\n"), ": a KITTI file has no times");
   starts(ErrorOf("roll pitch yaw\n"), ": an empty trajectory: no row of numbers");
   starts(ErrorOf(std::string("1\0 \0", 4)), ": text in UTF-16");
   starts(ErrorOf("\xFF\xFE" + good), ": text in UTF-16");
