@@ -147,6 +147,19 @@ TEST_F(InterruptionTest, AnImageThatCannotBeReadIsLeftOut) {
   EXPECT_EQ(Poses(), poses);
 }
 
+TEST_F(InterruptionTest, AnImageWhoseBytesCannotBeReadIsLeftOut) {
+  const fs::path flight = Flight();
+  const fs::path image = Images(flight, 0)[7];
+  fs::remove(image);
+  fs::create_symlink("/proc/self/mem", image);  // Reading fails, as on a bad sector.
+  const Outcome outcome = Klt(flight);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(Metrics()["frames"], 19);
+  EXPECT_NE(outcome.error.find("frame left out: " + image.string() + ": cannot be read"),
+            std::string::npos)
+      << outcome.error;
+}
+
 TEST_F(InterruptionTest, StrictEndsThereAndKeepsWhatCameBefore) {
   const fs::path flight = Flight();
   const fs::path image = Images(flight, 1)[7];
