@@ -182,11 +182,11 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   cv::setNumThreads(pool.size());
   Setup setup = SetUp(arguments, command, given, pool);
   const vo::OutputDirectory output(arguments.places.folder);
-  CheckPlaces(arguments.places);
   std::optional<vo::OutputDirectory> map_output;
   if (!arguments.places.map.empty()) {
     map_output.emplace(arguments.places.map);
   }
+  CheckPlaces(arguments.places);
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
   RunRecords records = MakeRecords(arguments, command, setup);
 

@@ -192,6 +192,18 @@ TEST_F(ExperimentTest, RunsAgainWhereTheDataHaveChanged) {
   EXPECT_EQ(Statuses(), std::vector<std::string>{"done"});
 }
 
+TEST_F(ExperimentTest, FindsATakenNameBeforeTheRuns) {
+  for (const std::string name : {"table.md", "table.csv", "table.json", "index.html"}) {
+    fs::create_directories(Path("out/" + name));
+    const Outcome outcome = Experiment(kTwoStrides);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find(name + ": cannot be written: is a folder"), std::string::npos)
+        << outcome.error;
+    EXPECT_FALSE(fs::exists(Path("out/runs")));
+    fs::remove(Path("out/" + name));
+  }
+}
+
 TEST_F(ExperimentTest, AFailedRunIsARowThatSaysWhy) {
   const std::string yaml =
       "data: [{path: flight, count: 4}]\n"

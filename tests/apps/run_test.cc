@@ -187,6 +187,21 @@ TEST_F(RunTest, AReplayEqualsItsRun) {
     const Outcome replayed_run = Run(run_again);
     ASSERT_EQ(replayed_run.exit_code, 0) << replayed_run.error;
     for (const char* const file : {"trajectory.tum", "keyframes.tum"}) {
+  for (const std::string taken : {"points.ply", "keyframes.ply"}) {
+    const std::string folder = Path("map_of_" + taken);
+    fs::create_directories(folder + "/" + taken);
+    const Outcome outcome =
+        Run("run " + root.string() + " --method klt -o " + Path("out") + " --map " + folder);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find(taken + ": cannot be written: is a folder"), std::string::npos)
+        << outcome.error;
+  }
+  fs::create_directories(Path("models"));
+  const std::string models = Write("models/colmap", "");
+  EXPECT_NE(
+      Run("run " + root.string() + " --method klt -o " + Path("out") + " --map " + Path("models"))
+          .error.find(models + ": is a file"),
+      std::string::npos);
       EXPECT_EQ(Contents(first / file), Contents(again / file));
     }
     const auto metrics = nlohmann::json::parse(Contents(first / "metrics.json"));
