@@ -193,8 +193,13 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   const EarlyEnd end =
       ProcessFrames({setup.dataset, setup.reads_images, arguments.is_strict}, odometry, records);
 
+  const auto throw_where_interrupted = [&] {
+    if (end.signal != 0) {
+      throw Interrupted{end.signal};
+    }
+  };
   if (records.trajectory.empty()) {
-    Interruption::Check();
+    throw_where_interrupted();
     throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
   RunMetrics::Context context = {.method = setup.method,
@@ -217,7 +222,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
     throw Error(first);
   }
-  Interruption::Check();
+  throw_where_interrupted();
   records.metrics.CheckThatSomethingWasTracked(context);
 }
 

@@ -1,6 +1,9 @@
 // What a run leaves that ends early: by a signal, an image that cannot be read, a full disk.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -97,6 +100,25 @@ TEST_F(InterruptionTest, ARunThatIsInterruptedKeepsWhatItHas) {
     EXPECT_EQ(replay.exit_code, 0) << replay.error;
     EXPECT_EQ(Contents(Path("replayed/trajectory.tum")), Poses());
   }
+}
+
+TEST_F(InterruptionTest, ARunThatHasAllItsFramesIsNotInterrupted) {
+  const fs::path flight = Flight();
+  const std::string truth = (flight / "mav0/state_groundtruth_estimate0/data.csv").string();
+  fs::remove(truth);
+  ASSERT_EQ(mkfifo(truth.c_str(), 0600), 0);
+  Child child({"run", flight.string(), "-o", Path("out"), "--method", "klt", "--count", "1"},
+              Path("log"));
+  // It waits for ground truth that this end of the pipe never gives, and then makes its one frame.
+  int pipe = -1;
+  while ((pipe = open(truth.c_str(), O_WRONLY | O_NONBLOCK)) < 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  child.Send(SIGINT);
+  close(pipe);
+  EXPECT_EQ(child.ExitCode(), 0) << Contents(Path("log"));
+  EXPECT_EQ(Metrics()["interrupted"], false);
+  EXPECT_EQ(Metrics()["frames"], 1);
 }
 
 TEST(InterruptionDeathTest, ASecondSignalEndsAtOnce) {
