@@ -206,6 +206,8 @@ void Evaluate(const EvaluateArguments& arguments) {
   if (!arguments.plot.empty()) {
     CheckOutputsAreNoInputs({arguments.plot}, {arguments.estimate, arguments.groundtruth,
                                                arguments.times, arguments.segments});
+    // The segments and times that are found by themselves are none either.
+    CheckReplacesOnly(arguments.plot, "<svg ", "an SVG file");
     nn::CheckPlaceForFile(arguments.plot);
   }
   Inputs inputs = ReadInputs(arguments);

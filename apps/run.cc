@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "distinct_outputs.h"
+#include "earlier_results.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
@@ -87,10 +88,11 @@ void CheckOutputs(const RunArguments& arguments) {
   const vo::NetworkFiles& networks = arguments.config.frontend.networks;
   for (const fs::path& input :
        {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        networks.superpoint, networks.superglue}) {
+        networks.weights, networks.superpoint, networks.superglue}) {
     inputs.push_back(input);
   }
   CheckOutputsAreNoInputs(outputs, inputs);
+  CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }
 
 std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
