@@ -195,11 +195,6 @@ TrajectoryFile ParseTrajectory(std::string_view text, const fs::path& path) {
   return file;
 }
 
-TrajectoryFormat RecognizeTrajectoryFormat(const fs::path& path) {
-  std::vector<std::string> notes;
-  return LayoutOf(path, SplitTrajectoryLines(ReadText(path), path), notes).format;
-}
-
 TrajectoryFile ReadTrajectoryFile(const fs::path& path) {
   return ParseTrajectory(ReadText(path), path);
 }

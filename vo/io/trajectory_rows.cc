@@ -1,6 +1,7 @@
 // Trajectories whose rows have no times of their own (KITTI's).
 
 #include <algorithm>
+#include <utility>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/trajectory_file.h"
@@ -51,10 +52,9 @@ std::size_t SetRowTimes(const std::vector<std::optional<int64_t>>& times_ns, Tra
   return left_out;
 }
 
-TrajectoryFile ReadTrajectoryWithTimes(const fs::path& path, const std::optional<fs::path>& times) {
-  TrajectoryFile file = ReadTrajectoryFile(path);
+void AddRowTimes(const fs::path& path, const std::optional<fs::path>& times, TrajectoryFile& file) {
   if (file.format != TrajectoryFormat::kKitti) {
-    return file;
+    return;
   }
   const std::optional<fs::path> times_file = times ? times : FindKittiTimes(path);
   if (!times_file) {
@@ -83,11 +83,12 @@ TrajectoryFile ReadTrajectoryWithTimes(const fs::path& path, const std::optional
     file.notes.push_back(std::to_string(left_out) + " poses have no time in " +
                          times_file->string() + " and are left out");
   }
-  return file;
 }
 
 Trajectory ReadTrajectory(const fs::path& path, const std::optional<fs::path>& times) {
-  return ReadTrajectoryWithTimes(path, times).poses;
+  TrajectoryFile file = ReadTrajectoryFile(path);
+  AddRowTimes(path, times, file);
+  return std::move(file.poses);
 }
 
 std::vector<int64_t> ReadTimes(const fs::path& path) {

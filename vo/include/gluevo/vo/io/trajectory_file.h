@@ -31,10 +31,6 @@ struct TrajectoryFile {
   std::vector<std::string> notes;
 };
 
-/// Tells the formats apart by the columns and separators of the first row. Throws Error where the
-/// file cannot be read, is empty or is none of them.
-TrajectoryFormat RecognizeTrajectoryFormat(const std::filesystem::path& path);
-
 /// Reads a trajectory from text; `path` is its name in messages, and not opened. Comments ('#', '%'
 /// or "//") and words before the first row are passed over; where they name the columns, in the
 /// ways of many tools, their order and unit are heeded. Else the form's default order is taken, and
@@ -54,17 +50,15 @@ TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path);
 /// beyond the last one, are left out. Returns how many.
 std::size_t SetRowTimes(const std::vector<std::optional<int64_t>>& times_ns, TrajectoryFile& file);
 
-/// Reads a file, of kKitti with times: of `times` (KITTI's times.txt, seconds a line, or its
-/// timestamps.txt, of which rows may be blank), or from
-/// ../sequences/NN/times.txt for poses/NN.txt, or (KITTI-360) from ../../data_2d_raw/NN/image_00/
-/// timestamps.txt for data_poses/NN/poses.txt, else Error; as it is where there are not as many as
-/// poses, or, of numbered ones, fewer than the last number asks for. The other formats leave
-/// `times` unread.
-TrajectoryFile ReadTrajectoryWithTimes(
-    const std::filesystem::path& path,
-    const std::optional<std::filesystem::path>& times = std::nullopt);
+/// Gives a kKitti file times: of `times` (KITTI's times.txt, seconds a line, or its timestamps.txt,
+/// of which rows may be blank), or from ../sequences/NN/times.txt for poses/NN.txt, or (KITTI-360)
+/// from ../../data_2d_raw/NN/image_00/timestamps.txt for data_poses/NN/poses.txt, `path` being the
+/// file's own; else Error, as it is where there are not as many as poses, or, of numbered ones,
+/// fewer than the last number asks for. The other formats are left as they are, and `times` unread.
+void AddRowTimes(const std::filesystem::path& path,
+                 const std::optional<std::filesystem::path>& times, TrajectoryFile& file);
 
-/// The poses of ReadTrajectoryWithTimes.
+/// The poses of a file with what AddRowTimes adds.
 Trajectory ReadTrajectory(const std::filesystem::path& path,
                           const std::optional<std::filesystem::path>& times = std::nullopt);
 
