@@ -11,6 +11,10 @@
 namespace gluevo::apps {
 namespace {
 
+std::string Complaint(const std::string& where, const std::string& name, const char* expected) {
+  return where + ": option " + name + " takes " + expected;
+}
+
 // A value or a list of values; none of anything else.
 std::vector<std::string> Values(const YAML::Node& node) {
   if (node.IsScalar()) {
@@ -53,8 +57,8 @@ void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
     const std::vector<std::string> values = Values(entry.second);
     const bool takes_several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
     if (values.empty() || (entry.second.IsSequence() && !takes_several)) {
-      throw Error(where + ": option " + name + " takes " +
-                  (takes_several ? "a value or a list of values" : "one value"));
+      const char* const expected = takes_several ? "a value or a list of values" : "one value";
+      throw Error(Complaint(where, name, expected));
     }
     if (option->count() > 0) {
       continue;
