@@ -150,6 +150,10 @@ class Scheduler {
       teller_.RunEnded(outcome.run, "its result is there");
       return;
     }
+    // The checksums took their time.
+    if (Interruption::signal() != 0) {
+      return;
+    }
     RemoveResults(folder);
     vo::MakeOutputDirectory(folder);
     const int threads = free_shares_.back();

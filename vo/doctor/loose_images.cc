@@ -1,8 +1,7 @@
 // What lies in a folder that is no data set.
 
-#include <opencv2/imgcodecs.hpp>
-
 #include "checks.h"
+#include "gluevo/nn/error.h"
 #include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::vo {
@@ -31,11 +30,10 @@ std::optional<LooseImages> FindLooseImages(const fs::path& root) {
   return std::nullopt;
 }
 
-cv::Mat ReadLooseImage(const fs::path& file) {
+cv::Mat ReadLooseImage(const fs::path& file, int gray_bits) {
   try {
-    cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    return image.type() == CV_8UC1 ? image : cv::Mat();
-  } catch (const cv::Exception&) {
+    return ReadGrayImage(file, gray_bits).pixels;
+  } catch (const Error&) {
     return {};
   }
 }

@@ -140,7 +140,7 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 
 const CalibrationForm kOrbSlamForm = {
     "ORB-SLAM settings",
-    "ORB-SLAM2 or ORB-SLAM3 stereo settings (LEFT.K, Camera1.fx, Camera.fx and Camera.bf)", &Is,
+    "ORB-SLAM2 or ORB-SLAM3 stereo settings (LEFT.K, Camera1.fx, Camera.fx and Camera.bf)", &Is, 1,
     &Read};
 
 }  // namespace gluevo::vo

@@ -131,6 +131,11 @@ void SetMatrix(const std::vector<double>& rows, const std::string& where, Camera
   if (!is_matrix) {
     throw Error(where + " is no camera matrix, expected [fx 0 cx; 0 fy cy; 0 0 1] in pixels");
   }
+  constexpr double kMostSkew = 0.1;
+  if (std::abs(rows[1]) > kMostSkew) {
+    throw Error(where + " has a skew of " + std::to_string(rows[1]) +
+                " pixels, expected 0: no camera model here has one");
+  }
   camera.fx = rows[0];
   camera.fy = rows[4];
   camera.cx = rows[2];

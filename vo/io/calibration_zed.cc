@@ -141,6 +141,6 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 
 const CalibrationForm kZedForm = {"ZED factory calibration",
                                   "ZED factory calibration SN*.conf ([LEFT_CAM_HD], [STEREO])", &Is,
-                                  &Read};
+                                  1, &Read};
 
 }  // namespace gluevo::vo

@@ -10,24 +10,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<int64_t> TimesOf(const Dataset& dataset) {
-  std::vector<int64_t> times_ns;
+using Times = std::vector<std::optional<int64_t>>;
+
+Times TimesOf(const Dataset& dataset) {
+  Times times_ns;
   times_ns.reserve(dataset.entries.size());
   for (const Dataset::Entry& entry : dataset.entries) {
-    times_ns.push_back(entry.timestamp_ns);
+    times_ns.emplace_back(entry.timestamp_ns);
   }
   return times_ns;
 }
 
-void SetFrameTimes(const fs::path& path, const std::vector<int64_t>& times_ns,
-                   TrajectoryFile& file) {
-  SetRowTimes(times_ns, file);
+void SetFrameTimes(const fs::path& path, const Times& times_ns, TrajectoryFile& file) {
+  const std::size_t left_out = SetRowTimes(times_ns, file);
   if (file.poses.empty()) {
     throw Error(path.string() + ": no pose of the data set's frames 0 to " +
                 std::to_string(times_ns.size() - 1) + ": its rows are of other ones");
   }
   constexpr const char* kNameOfBody = "poses.txt";
-  file.notes.emplace_back("the rows' first numbers are taken as those of frames");
+  file.notes.push_back("the rows' first numbers are taken as those of frames" +
+                       (left_out == 0 ? std::string()
+                                      : "; " + std::to_string(left_out) +
+                                            " rows are of frames without a time: left out"));
   if (path.filename() == kNameOfBody) {
     file.notes.emplace_back(
         "KITTI-360's poses.txt is of the GPS unit; the left camera's path is cam0_to_world.txt");
@@ -37,7 +41,8 @@ void SetFrameTimes(const fs::path& path, const std::vector<int64_t>& times_ns,
 void SetTimes(const fs::path& path, const Dataset& dataset, const RowTimes& known,
               TrajectoryFile& file) {
   const std::vector<int64_t>& row_times_ns = known.rows_ns;
-  const std::vector<int64_t> times_ns = row_times_ns.empty() ? TimesOf(dataset) : row_times_ns;
+  const Times times_ns =
+      row_times_ns.empty() ? TimesOf(dataset) : Times(row_times_ns.begin(), row_times_ns.end());
   if (file.is_numbered) {
     SetFrameTimes(path, known.frames_ns.empty() ? times_ns : known.frames_ns, file);
     return;

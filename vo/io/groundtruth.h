@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 #include "gluevo/vo/io/dataset.h"
@@ -10,8 +11,9 @@ namespace gluevo::vo {
 
 /// The times of poses that have none of their own (KITTI's), nanoseconds.
 struct RowTimes {
-  std::vector<int64_t> rows_ns;    ///< Of row n; empty: of the data set's entry n.
-  std::vector<int64_t> frames_ns;  ///< Of number n where rows are numbered; empty: `rows_ns`.
+  std::vector<int64_t> rows_ns;  ///< Of row n; empty: of the data set's entry n.
+  /// Of number n where rows are numbered, nothing where that has none; empty: `rows_ns`.
+  std::vector<std::optional<int64_t>> frames_ns;
 };
 
 /// Gives a data set, whose entries are all there, its ground truth: options.groundtruth, else the

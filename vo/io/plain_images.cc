@@ -100,7 +100,8 @@ void AddCandidates(const std::vector<fs::path>& folders, int rank, const SideOf&
 // The folder itself, data in it, or the only one in it that holds images.
 fs::path ImagesIn(const fs::path& folder) {
   std::error_code ignored;
-  if (fs::is_directory(folder / "data", ignored)) {
+  const bool has_data = fs::is_directory(folder / "data", ignored);
+  if (has_data && !ListImages(folder / "data").empty()) {
     return folder / "data";
   }
   if (!ListImages(folder).empty()) {

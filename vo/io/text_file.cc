@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <system_error>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/whole_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -98,12 +97,7 @@ std::string ReadText(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status)) {
     throw Error(path.string() + ": not a file");
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) {
-    throw Error(path.string() + ": cannot be read");
-  }
-  return text;
+  return ReadWholeFile(path);
 }
 
 bool IsComment(std::string_view line) {

@@ -50,14 +50,6 @@ std::optional<int64_t> ParseTime(const PoseColumns& columns,
   return valid ? std::optional(*time + *rest) : std::nullopt;
 }
 
-/// "12.5 lost", or a time alone.
-bool IsWithoutPose(const std::vector<std::string_view>& fields) {
-  return fields.size() == 1 ||
-         std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
-           return !field.empty() && std::isalpha(static_cast<unsigned char>(field.front())) != 0;
-         });
-}
-
 /// The pose of a row of a table; nothing where it has none.
 std::optional<PoseRow> ParseRow(const fs::path& path, const TextLine& line,
                                 const TrajectoryLayout& layout, TimeUnit unit,
@@ -142,7 +134,8 @@ Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, Trajec
   }
   const TimeUnit unit = layout.columns.nanoseconds
                             ? TimeUnit::kSeconds
-                            : ChooseTimeUnit(times, layout.columns.unit.value_or(layout.unit));
+                            : ChooseTimeUnit(times, layout.columns.unit.value_or(layout.unit),
+                                             layout.columns.unit.has_value());
   if (unit != layout.columns.unit.value_or(layout.unit)) {
     notes.push_back("times are taken as " + NameOf(unit) + ", by their digits and distances");
   }
@@ -200,11 +193,6 @@ TrajectoryFile ParseTrajectory(std::string_view text, const fs::path& path) {
                          " not of length 1: made so");
   }
   return file;
-}
-
-TrajectoryFormat RecognizeTrajectoryFormat(const fs::path& path) {
-  std::vector<std::string> notes;
-  return LayoutOf(path, SplitTrajectoryLines(ReadText(path), path), notes).format;
 }
 
 TrajectoryFile ReadTrajectoryFile(const fs::path& path) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "gluevo/nn/error.h"
 
@@ -32,6 +33,21 @@ bool IsMatrix(const std::vector<std::string_view>& fields, std::size_t first) {
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
   const Eigen::Matrix3d rotation = matrix.leftCols<3>();
   return (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() <= 0.01;
+}
+
+/// Whether in all rows the numbers that TUM's form has there are of length 1, and no rotations of
+/// KITTI's: four columns more may follow.
+bool HaveQuaternions(const TrajectoryLines& lines) {
+  constexpr double kTolerance = 0.01;
+  return lines.rows.size() > 1 &&
+         std::all_of(lines.rows.begin(), lines.rows.end(), [](const TextLine& line) {
+           const auto fields = SplitFields(line.text, ' ');
+           Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();
+           for (std::size_t i = 0; i < 4 && 4 + i < fields.size(); ++i) {
+             quaternion[static_cast<Eigen::Index>(i)] = ParseNumber(fields[4 + i]).value_or(0.0);
+           }
+           return std::abs(quaternion.norm() - 1.0) <= kTolerance && !IsMatrix(fields, 0);
+         });
 }
 
 bool IsHomogeneous(const std::vector<std::string_view>& fields, std::size_t first) {
@@ -148,7 +164,7 @@ TrajectoryLayout LayoutOf(const fs::path& path, const TrajectoryLines& lines,
     return layout;
   }
   // Between commas 12 may also be EuRoC's eight and more.
-  if ((!between_commas && fields.size() == kKittiFields) ||
+  if ((!between_commas && fields.size() == kKittiFields && !HaveQuaternions(lines)) ||
       (fields.size() == kKittiFields && IsMatrix(fields, 0)) || IsHomogeneous(fields, 0)) {
     layout.format = TrajectoryFormat::kKitti;
     layout.matrix_column = 0;

@@ -64,6 +64,15 @@ Trajectory ParseMatrices(const fs::path& path, const TrajectoryLines& lines,
   for (const TextLine& line : lines.rows) {
     ++row;
     const auto fields = SplitFields(line.text, layout.separator);
+    if (fields.size() < first + kMatrixFields && IsWithoutPose(fields)) {
+      oddities.no_pose.Add(line.number);
+      continue;
+    }
+    if (fields.size() < first + kMatrixFields && row > 0 && &line == &lines.rows.back()) {
+      notes.push_back("the last row (line " + std::to_string(line.number) +
+                      ") is cut off: left out");
+      continue;
+    }
     if (fields.size() < first + kMatrixFields) {
       throw Error(At(path, line) + ": " + std::to_string(fields.size()) + " fields, expected " +
                   layout.description);

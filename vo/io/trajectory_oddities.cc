@@ -1,5 +1,7 @@
 #include "trajectory_oddities.h"
 
+#include <algorithm>
+#include <cctype>
 #include <optional>
 #include <string>
 
@@ -14,6 +16,13 @@ bool IsNoValue(std::string_view field) {
   }
   return word.empty() || word.starts_with("nan") || word == "inf" || word == "infinity" ||
          word.starts_with("1.#") || word == "none" || word == "null";
+}
+
+bool IsWithoutPose(const std::vector<std::string_view>& fields) {
+  return fields.size() == 1 ||
+         std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+           return !field.empty() && std::isalpha(static_cast<unsigned char>(field.front())) != 0;
+         });
 }
 
 double ParseField(const std::filesystem::path& path, const TextLine& line, std::string_view field) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <string_view>
+#include <vector>
 
 #include "text_file.h"
 
@@ -26,6 +27,9 @@ struct TrajectoryOddities {
 
 /// What trackers write where they have no pose: "nan", "-inf", "1.#QNAN", "None", or nothing.
 bool IsNoValue(std::string_view field);
+
+/// Whether a row tells that there is no pose: "12.5 lost", or a time alone.
+bool IsWithoutPose(const std::vector<std::string_view>& fields);
 
 /// A number of a row. Throws Error naming the line where it is none.
 double ParseField(const std::filesystem::path& path, const TextLine& line, std::string_view field);
