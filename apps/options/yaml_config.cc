@@ -11,10 +11,6 @@
 namespace gluevo::apps {
 namespace {
 
-std::string Complaint(const std::string& where, const std::string& name, const char* expected) {
-  return where + ": option " + name + " takes " + expected;
-}
-
 // A value or a list of values; none of anything else.
 std::vector<std::string> Values(const YAML::Node& node) {
   if (node.IsScalar()) {
@@ -27,6 +23,17 @@ std::vector<std::string> Values(const YAML::Node& node) {
       return {};
     }
     values.push_back(item.as<std::string>());
+  }
+  return values;
+}
+
+// Those that the option can take.
+std::vector<std::string> ValuesFor(const CLI::Option& option, const YAML::Node& node,
+                                   const std::string& what) {
+  std::vector<std::string> values = Values(node);
+  const bool takes_several = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+  if (values.empty() || (node.IsSequence() && !takes_several)) {
+    throw Error(what + " takes " + (takes_several ? "a value or a list of values" : "one value"));
   }
   return values;
 }
@@ -54,12 +61,8 @@ void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
       throw Error(where + ": unknown option " + Quoted(name) +
                   ", expected a long option of 'gluevo " + command.get_name() + "'");
     }
-    const std::vector<std::string> values = Values(entry.second);
-    const bool takes_several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-    if (values.empty() || (entry.second.IsSequence() && !takes_several)) {
-      const char* const expected = takes_several ? "a value or a list of values" : "one value";
-      throw Error(Complaint(where, name, expected));
-    }
+    const std::vector<std::string> values =
+        ValuesFor(*option, entry.second, where + ": option " + name);
     if (option->count() > 0) {
       continue;
     }

@@ -20,18 +20,7 @@ class DistinctOutputsTest : public CommandTest {
         << outcome.error;
     EXPECT_EQ(Contents(file), before);
   }
-  std::string Calibration(const std::string& name) const {
-    std::string text;
-    for (const std::string camera : {"0", "1"}) {
-      text += "cam" + camera +
-              ":\n  camera_model: pinhole\n  distortion_model: radtan\n"
-              "  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [100, 100, 80, 60]\n"
-              "  resolution: [160, 120]\n";
-    }
-    return Write(name, text +
-                           "  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], "
-                           "[0, 0, 0, 1]]\n");
-  }
+  std::string Calibration(const std::string& name) const { return Write(name, Camchain(160, 120)); }
 };
 
 TEST_F(DistinctOutputsTest, OfImagesAndFeatures) {

@@ -2,8 +2,7 @@
 # The readers, the containers of weights, geometry and the estimator under address and
 # undefined-behaviour sanitisers. The vector kernels are not instrumented (nn/CMakeLists.txt). What
 # takes minutes here is left out where something shorter goes the same ways: the statistics of
-# marginalisation and of outliers, and changed bytes, which are the fuzzers' matter; and the test that
-# counts allocations, which replaces malloc as the sanitiser does.
+# marginalisation and of outliers, and changed bytes, which are the fuzzers' matter.
 set -euo pipefail
 exec bash "$(dirname "$0")/sanitized_tests.sh" asan-ubsan \
   'nn_(.*_)?(npz|safetensors|tensor|weights|zip)_test' \
@@ -13,5 +12,5 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" asan-ubsan \
   'vo_frontend_(feature_files|match_store)_test' \
   'vo_geometry_.*' \
   'vo_geometry_pnp_test:-*AmongOutliersOverWideBaselines*' \
-  'vo_estimator_(?!marginalization|window_allocations).*' \
+  'vo_estimator_(?!marginalization).*' \
   'vo_pipeline_odometry_test:*Exact*:*Reset*'

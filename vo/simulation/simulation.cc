@@ -81,7 +81,7 @@ void WriteStates(const std::filesystem::path& mav, const Flight& flight,
                  const std::vector<int64_t>& image_times, uint64_t seed) {
   const int imu_count =
       static_cast<int>(std::ceil(Seconds(image_times.back()) * kImuRateHz - 1e-6)) + 1;
-  const ImuNoise noise;
+  const vo::ImuNoise noise;
   const std::vector<ImuSample> samples = SimulateImu(flight.path, imu_count, noise, seed);
   std::vector<int64_t> imu_times(samples.size());
   for (int i = 0; i < imu_count; ++i) imu_times[i] = TimeNs(i, kImuRateHz);

@@ -70,7 +70,7 @@ TEST(TrajectorySplineTest, InertialSamplesIntegrateBackWithinTheirNoise) {
   const TrajectorySpline spline(Sampled(MakeSimulationPath("hall_loop"), 20.0, 12.0), "flight.txt");
   const SimulationPath path = [&](double time) { return spline.At(time + 3.0); };
   constexpr double kSeconds = 6.0;
-  const ImuNoise noise;
+  const vo::ImuNoise noise;
   const auto samples = SimulateImu(path, static_cast<int>(kSeconds) * kImuRateHz + 1, noise, 11);
   Eigen::Quaterniond rotation = path(0.0).rotation;
   Eigen::Vector3d position = path(0.0).translation;
