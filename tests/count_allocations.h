@@ -4,6 +4,10 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
+// Eigen includes it: clang takes its declarations only before ours.
+#if __has_include(<mm_malloc.h>)
+#include <mm_malloc.h>
+#endif
 
 /// Counts how often a program asks the system for memory: what includes this, one source of a
 /// program, has a malloc family that stands before glibc's.
