@@ -17,6 +17,7 @@ pid_t StartSelf(const std::vector<std::string>& arguments, const std::filesystem
   std::vector<std::string> words = {"gluevo"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) {
     argv.push_back(word.data());
   }
@@ -29,6 +30,8 @@ pid_t StartSelf(const std::vector<std::string>& arguments, const std::filesystem
   const pid_t child = fork();
   if (child == 0) {
     // Only calls that are safe between fork and exec.
+    // A group of its own: a terminal's Ctrl-C comes by way of the parent, once.
+    setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) {
       _exit(127);  // The parent ended before it could be watched.

@@ -20,18 +20,7 @@ class DistinctOutputsTest : public CommandTest {
         << outcome.error;
     EXPECT_EQ(Contents(file), before);
   }
-  std::string Calibration(const std::string& name) const {
-    std::string text;
-    for (const std::string camera : {"0", "1"}) {
-      text += "cam" + camera +
-              ":\n  camera_model: pinhole\n  distortion_model: radtan\n"
-              "  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [100, 100, 80, 60]\n"
-              "  resolution: [160, 120]\n";
-    }
-    return Write(name, text +
-                           "  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], "
-                           "[0, 0, 0, 1]]\n");
-  }
+  std::string Calibration(const std::string& name) const { return Write(name, Camchain(160, 120)); }
 };
 
 TEST_F(DistinctOutputsTest, OfImagesAndFeatures) {
@@ -76,6 +65,76 @@ TEST_F(DistinctOutputsTest, OfRuns) {
   fs::create_directories(Path("out"));
   const std::string truth = Write("out/trajectory.tum", "1 0 0 0 0 0 0 1\n");
   ExpectRefused("run " + Path("data") + " -o " + Path("out") + " --groundtruth " + truth, truth);
+}
+
+// The folders that are inputs hold more files than the command line names.
+class FilesOfInputsTest : public DistinctOutputsTest {
+ protected:
+  void ExpectKept(const std::string& arguments, const std::string& file,
+                  const std::string& expected) const {
+    SCOPED_TRACE(arguments);
+    const std::string before = Contents(file);
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find(file + ": cannot be written: " + expected), std::string::npos)
+        << outcome.error;
+    EXPECT_EQ(Contents(file), before);
+  }
+  std::string Data() const {
+    std::string data = Path("flight");
+    EXPECT_EQ(
+        Run("simulate -o " + data + " --duration 0.3 --rate 10 --width 160 --height 120").exit_code,
+        0);
+    return data;
+  }
+};
+
+TEST_F(FilesOfInputsTest, AreNotReplacedByARun) {
+  const std::string data = Data();
+  const std::string run = "run " + data + " --method klt --threads 1 -o ";
+  const std::string run_and_save = run + Path("out") + " --save-matches ";
+  for (const char* const name : {"mav0/cam0/data.csv", "mav0/cam1/sensor.yaml"}) {
+    const std::string file = (fs::path(data) / name).string();
+    ExpectKept(run_and_save + file, file, "a file is there that is no file of --save-matches");
+  }
+  const std::string poses = Write("flight/trajectory.tum", "1 0 0 0 0 0 0 1\n");
+  ExpectKept(run + data, poses, "is a file of the data set");
+  fs::create_directories(Path("flight/colmap/0"));
+  const std::string model = Write("flight/colmap/0/cameras.txt", "# Camera list\n");
+  const std::string points = Write("flight/points.ply", "ply\nformat ascii 1.0\n");
+  ExpectKept(run + Path("out") + " --map " + data, points, "is a file of the data set");
+  fs::remove(points);
+  ExpectKept(run + Path("out") + " --map " + data, model, "is a file of the data set");
+  EXPECT_FALSE(fs::exists(Path("out")));
+}
+
+TEST_F(FilesOfInputsTest, ButResultsAmongThemAre) {
+  const std::string data = Data();
+  const std::string run = "run " + data + " --method klt --threads 1 -o " + data + "/out --map " +
+                          data + "/map --save-matches " + data + "/m.h5";
+  for (int i = 0; i < 2; ++i) {
+    const Outcome outcome = Run(run);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  }
+}
+
+TEST_F(FilesOfInputsTest, AreNotReplacedByOtherCommands) {
+  fs::create_directories(Path("weights"));
+  const std::string weights = Write("weights/superpoint.safetensors", "weights");
+  const std::string option = " --weights " + Path("weights") + " ";
+  fs::create_directories(Path("images"));
+  ExpectRefused("extract " + Path("images") + option + "-o " + weights, weights);
+  ExpectRefused(
+      "match " + Write("f.h5", "") + option + "--pairs " + Write("p.txt", "") + " -o " + weights,
+      weights);
+  ExpectRefused("bench" + option + "--output " + weights, weights);
+  const std::string notes = Write("notes.txt", "notes");
+  ExpectKept("extract " + Path("images") + " -o " + notes, notes,
+             "a file is there that is not an HDF5 file");
+  const std::string metrics = Write("metrics.json", "{}");
+  const std::string trajectory = Write("e.tum", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
+  ExpectKept("evaluate " + trajectory + " " + trajectory + " --plot " + metrics, metrics,
+             "a file is there that is not an SVG file");
 }
 
 }  // namespace
