@@ -49,6 +49,8 @@ class RunMetrics {
 
   /// The part of a report that the record knows.
   RunReport Report(const Context& context) const;
+  /// What became of each, without its tracks.
+  const std::vector<vo::FrameResult>& frames() const { return frames_; }
   /// The segment of each frame.
   std::vector<int> SegmentOfFrames() const;
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "gluevo/vo/core/median.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
+#include "gluevo/vo/geometry/pose_uncertainty.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "gluevo/vo/pipeline/presets.h"
@@ -108,6 +110,45 @@ bool IsDeclared(const Run& run, std::size_t frame) {
          before.is_predicted || before.is_doubtful;
 }
 
+// Squared error of a frame's motion since its key frame, in standard deviations, a degree of
+// freedom; nothing where the truth of one is missing.
+std::optional<double> SquaredError(const Run& run, std::size_t frame,
+                                   const vo::Trajectory& groundtruth) {
+  const vo::FrameResult& to = run.frames[frame];
+  const auto from = std::find_if(run.frames.begin(), run.frames.end(), [&](const auto& other) {
+    return other.timestamp_ns == to.motion_from_ns;
+  });
+  const auto truth_at = [&](int64_t timestamp_ns) {
+    constexpr int64_t kNearNs = 10'000'000;
+    const auto next = std::lower_bound(
+        groundtruth.begin(), groundtruth.end(), timestamp_ns - kNearNs,
+        [](const vo::StampedPose& pose, int64_t time) { return pose.timestamp_ns < time; });
+    auto best = groundtruth.end();
+    for (auto it = next; it != groundtruth.end() && it->timestamp_ns <= timestamp_ns + kNearNs;
+         ++it) {
+      if (best == groundtruth.end() ||
+          std::abs(it->timestamp_ns - timestamp_ns) < std::abs(best->timestamp_ns - timestamp_ns)) {
+        best = it;
+      }
+    }
+    return best;
+  };
+  const auto truth_from = truth_at(to.motion_from_ns);
+  const auto truth_to = truth_at(to.timestamp_ns);
+  if (from == run.frames.end() || truth_from == groundtruth.end() ||
+      truth_to == groundtruth.end() || to.is_predicted || to.motion_from_ns == to.timestamp_ns) {
+    return std::nullopt;
+  }
+  const Eigen::Matrix<double, 6, 1> error =
+      vo::PoseError(from->world_from_body.Inverse() * to.world_from_body,
+                    truth_from->world_from_body.Inverse() * truth_to->world_from_body);
+  return error.dot(to.motion_covariance.ldlt().solve(error)) / 6.0;
+}
+
+double Mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
 struct Row {
   double ate_m = 0.0;
   int undeclared = 0;
@@ -118,6 +159,7 @@ Row Print(const Arguments& arguments, const vo::Dataset& dataset, const std::str
   const vo::Evaluation evaluation = vo::Evaluate(run.trajectory, *dataset.groundtruth, {});
   Row row{evaluation.ate_se3_m};
   std::vector<double> motions;
+  std::vector<double> squares;  // Of errors of located motions, in standard deviations.
   double worst = 0.0;
   int declared = 0, predicted = 0, doubtful = 0, moving = 0;
   std::size_t frame = 0;
@@ -137,26 +179,32 @@ Row Print(const Arguments& arguments, const vo::Dataset& dataset, const std::str
     }
     worst = is_declared ? worst : std::max(worst, error.motion_m);
   }
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    if (const auto square = SquaredError(run, i, *dataset.groundtruth)) {
+      squares.push_back(*square);
+    }
+  }
   for (const vo::FrameResult& result : run.frames) {
     predicted += result.is_predicted ? 1 : 0;
     doubtful += result.is_doubtful ? 1 : 0;
     moving += result.moving;
   }
-  std::printf("%-24s %-10s %4zu %4d %5d %5d %6.1f %8.4f %8.4f %7.3f %8.4f %8.4f %8.3f %5d %5d\n",
-              dataset.root.filename().c_str(), method.c_str(), run.frames.size(),
-              run.frames.back().segment + 1, predicted, doubtful,
-              static_cast<double>(moving) / static_cast<double>(run.frames.size()),
-              evaluation.ate_se3_m, evaluation.scale, evaluation.rpe_translation_percent,
-              evaluation.rpe_rotation_deg_per_m, vo::Median(motions), worst, row.undeclared,
-              declared);
+  std::printf(
+      "%-24s %-10s %4zu %4d %5d %5d %6.1f %8.4f %8.4f %7.3f %8.4f %8.4f %8.3f %5d %5d %6.2f "
+      "%6.2f\n",
+      dataset.root.filename().c_str(), method.c_str(), run.frames.size(),
+      run.frames.back().segment + 1, predicted, doubtful,
+      static_cast<double>(moving) / static_cast<double>(run.frames.size()), evaluation.ate_se3_m,
+      evaluation.scale, evaluation.rpe_translation_percent, evaluation.rpe_rotation_deg_per_m,
+      vo::Median(motions), worst, row.undeclared, declared, Mean(squares), vo::Median(squares));
   std::fflush(stdout);
   return row;
 }
 
 bool Compare(const Arguments& arguments) {
-  std::printf("%-24s %-10s %4s %4s %5s %5s %6s %8s %8s %7s %8s %8s %8s %5s %5s\n", "data set",
-              "method", "n", "segm", "pred", "doubt", "moving", "ATE, m", "scale", "RPE, %",
-              "deg/m", "median", "worst", "wrong", "decl.");
+  std::printf("%-24s %-10s %4s %4s %5s %5s %6s %8s %8s %7s %8s %8s %8s %5s %5s %6s %6s\n",
+              "data set", "method", "n", "segm", "pred", "doubt", "moving", "ATE, m", "scale",
+              "RPE, %", "deg/m", "median", "worst", "wrong", "decl.", "NEES", "median");
   bool is_good = true;
   for (const std::string& method : arguments.methods) {
     double reference = 0.0;

@@ -1,7 +1,6 @@
 #include "gluevo/vo/pipeline/odometry.h"
 
 #include <algorithm>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -12,10 +11,6 @@
 
 namespace gluevo::vo {
 namespace {
-
-bool IsFinite(const Rigid3& pose) {
-  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
-}
 
 // What a front end gives is not trusted: one NaN would spoil the whole window.
 TrackedFrame WithoutNonFinite(TrackedFrame frame) {
@@ -75,6 +70,8 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   window_ = std::move(other.window_);
   history_ = other.history_;
   votes_ = std::move(other.votes_);
+  uncertainty_ = other.uncertainty_;
+  keyframe_ns_ = other.keyframe_ns_;
   last_timestamp_ns_ = other.last_timestamp_ns_;
   segment_ = other.segment_;
   passed_over_ = other.passed_over_;
@@ -119,6 +116,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   result.is_keyframe = window_->newest_is_keyframe();
   result.inliers = pose->inliers;
   Describe(result);
+  Rate(is_linked, result);
   window_->Slide();
   passed_over_ = 0;
   history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
@@ -148,6 +146,9 @@ void Odometry::PassOver(FrameResult& result) {
   ++passed_over_;
   result.is_predicted = true;
   result.world_from_body = history_.Predict(result.timestamp_ns);
+  result.motion_from_ns = history_.last()->timestamp_ns;
+  result.motion_covariance = history_.PredictionCovariance(result.timestamp_ns);
+  result.path_covariance = uncertainty_.After(result.world_from_body, result.motion_covariance);
   Describe(result);
   frontend_->Accept({.is_passed_over = true});
 }
@@ -265,24 +266,20 @@ void Odometry::Describe(FrameResult& result) const {
                           result.tracked_frame.stages_ms.end());
 }
 
-double Odometry::SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const {
-  const StampedPose& last = *history_.last();
-  const double seconds = static_cast<double>(timestamp_ns - last.timestamp_ns) * 1e-9;
-  return (world_from_body.translation - last.world_from_body.translation).norm() / seconds;
-}
-
-bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const {
-  const std::optional<StampedPose>& last = history_.last();
-  if (!last) {
-    return IsFinite(world_from_body);
+void Odometry::Rate(bool is_linked, FrameResult& result) {
+  result.motion_from_ns = is_linked ? keyframe_ns_ : result.timestamp_ns;
+  if (is_linked) {
+    const std::optional<PoseCovariance> covariance = window_->CovarianceSinceKeyframe();
+    result.motion_covariance =
+        covariance ? *covariance : history_.PredictionCovariance(result.timestamp_ns);
+    result.path_covariance =
+        uncertainty_.Add(result.world_from_body, result.motion_covariance, result.is_keyframe);
+  } else {
+    uncertainty_.Start(result.world_from_body);
   }
-  const double seconds = static_cast<double>(timestamp_ns - last->timestamp_ns) * 1e-9;
-  const Rigid3 motion = last->world_from_body.Inverse() * world_from_body;
-  const double turn_deg =
-      motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi;
-  return IsFinite(world_from_body) &&
-         motion.translation.norm() <= options_.max_speed_m_per_s * seconds &&
-         turn_deg <= options_.max_turn_deg_per_s * seconds;
+  if (result.is_keyframe) {
+    keyframe_ns_ = result.timestamp_ns;
+  }
 }
 
 }  // namespace gluevo::vo

@@ -8,6 +8,26 @@
 #include "gluevo/vo/core/options_check.h"
 
 namespace gluevo::vo {
+namespace {
+
+bool RightDisagrees(const Observation& observation, std::optional<PnpVerdict> verdict) {
+  return observation.has_right && verdict == PnpVerdict::kInlierLeft;
+}
+
+// Where most right views disagree it is the right image that is wrong, not the points.
+bool RightIsBelieved(const TrackedFrame& frame,
+                     const std::vector<std::optional<PnpVerdict>>& verdicts) {
+  int with_right = 0;
+  int disagree = 0;
+  for (std::size_t i = 0; i < verdicts.size(); ++i) {
+    const bool fits = verdicts[i] && verdicts[i] != PnpVerdict::kOutlier;
+    with_right += fits && frame.observations[i].has_right ? 1 : 0;
+    disagree += RightDisagrees(frame.observations[i], verdicts[i]) ? 1 : 0;
+  }
+  return 2 * disagree < with_right;
+}
+
+}  // namespace
 
 void VoteOptions::Validate() const {
   CheckWithin(new_vote, 1e-3, 1.0, "votes.new_vote");
@@ -52,18 +72,20 @@ bool TrackVotes::Moves(int64_t track_id) const {
 
 void TrackVotes::Learn(const TrackedFrame& frame,
                        const std::vector<std::optional<PnpVerdict>>& verdicts) {
+  const bool right_is_believed = RightIsBelieved(frame, verdicts);
   std::unordered_map<int64_t, Record> records;
   records.reserve(frame.observations.size());
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const int64_t track_id = frame.observations[i].track_id;
     const auto before = records_.find(track_id);
     Record record = before != records_.end() ? before->second : Record();
-    if (verdicts[i] == PnpVerdict::kOutlier) {
+    const bool right_disagrees = RightDisagrees(frame.observations[i], verdicts[i]);
+    if (verdicts[i] == PnpVerdict::kOutlier || (right_disagrees && right_is_believed)) {
       ++record.disagreed;
       const int credit = std::min(record.agreed, options_.full_after) / 2;
       record.moves =
           record.moves || (options_.strikes > 0 && record.disagreed >= options_.strikes + credit);
-    } else if (verdicts[i]) {
+    } else if (verdicts[i] && !right_disagrees) {
       // What it did wrong once it may have done by a wrong match.
       record.agreed = record.disagreed > 0 ? record.agreed / 2 + 1 : record.agreed + 1;
       record.disagreed = 0;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <random>
 #include <set>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/geometry/manifold.h"
+#include "gluevo/vo/geometry/pose_uncertainty.h"
 #include "vo/scene.h"
 
 namespace gluevo::vo {
@@ -112,6 +114,62 @@ TEST(Odometry, OutliersDoNotShowInThePoses) {
   EXPECT_LT(errors.position_m, 0.1);
   EXPECT_LT(errors.turn_rad, 1.0 * std::numbers::pi / 180.0);
   EXPECT_EQ(results.back().segment, 0);
+}
+
+// Squared error of each motion since a key frame, in standard deviations; expected: one a degree of
+// freedom, six in all.
+std::vector<double> SquaredMotionErrors(const std::vector<FrameResult>& results,
+                                        const std::vector<Rigid3>& truth) {
+  std::vector<double> squares;
+  for (std::size_t i = 1; i < results.size(); ++i) {
+    const auto from = static_cast<std::size_t>(results[i].motion_from_ns / kStepNs);
+    const Eigen::Matrix<double, 6, 1> error =
+        PoseError(results[from].world_from_body.Inverse() * results[i].world_from_body,
+                  truth[from].Inverse() * truth[i]);
+    squares.push_back(error.dot(results[i].motion_covariance.ldlt().solve(error)));
+  }
+  return squares;
+}
+
+TEST(Odometry, KnowsHowGoodItsMotionsAre) {
+  const auto truth = Flight(120);
+  for (const double noise_px : {0.2, 0.5, 1.0}) {
+    const auto results = RunOdometry(Observe(truth, {.noise_px = noise_px}));
+    const std::vector<double> squares = SquaredMotionErrors(results, truth);
+    const double mean =
+        std::accumulate(squares.begin(), squares.end(), 0.0) / static_cast<double>(squares.size());
+    EXPECT_GT(mean / 6.0, 0.5) << noise_px << " px";
+    EXPECT_LT(mean / 6.0, 2.0) << noise_px << " px";
+    // Drift grows.
+    const auto sigma = [&](std::size_t frame) {
+      return std::sqrt(results[frame].path_covariance.topLeftCorner<3, 3>().trace());
+    };
+    EXPECT_EQ(sigma(0), 0.0);
+    EXPECT_LT(sigma(10), sigma(60));
+    EXPECT_LT(sigma(60), sigma(119));
+    const Errors errors = MotionErrors(results, truth, 0, 119);
+    EXPECT_LT(errors.position_m, 4.0 * sigma(119));
+  }
+}
+
+TEST(Odometry, KnowsLittleOfWhatItPredicts) {
+  const auto truth = Flight(40);
+  auto frames = Observe(truth, {.noise_px = 0.5});
+  for (std::size_t i = 20; i < 25; ++i) {
+    frames[i].observations.clear();
+  }
+  const auto results = RunOdometry(frames);
+  const auto sigma = [&](std::size_t frame) {
+    return std::sqrt(results[frame].path_covariance.topLeftCorner<3, 3>().trace());
+  };
+  for (std::size_t i = 20; i < 25; ++i) {
+    EXPECT_TRUE(results[i].is_predicted);
+    EXPECT_EQ(results[i].motion_from_ns, results[19].timestamp_ns);
+    EXPECT_GT(sigma(i), sigma(i - 1));
+    const double error_m = (truth[19].Inverse() * truth[i]).translation.norm();
+    EXPECT_LT(error_m, 5.0 * sigma(i));
+  }
+  EXPECT_LT(sigma(25), sigma(24));
 }
 
 TEST(Odometry, StandsStill) {
@@ -233,7 +291,10 @@ TEST(Odometry, ALongTimeInTheDarkEndsWithWhatIsSeenAgain) {
   EXPECT_FALSE(results[50].is_predicted);
   EXPECT_EQ(results[79].segment, 1);
   EXPECT_LT(MotionErrors(results, truth, 3, 29).position_m, 0.1);
-  EXPECT_LT(MotionErrors(results, truth, 3, 79).position_m, 0.15);
+  for (std::size_t i = 50; i < 80; ++i) {
+    const Rigid3 moved = results[3].world_from_body.Inverse() * results[i].world_from_body;
+    EXPECT_LT(PoseError(moved, truth[3].Inverse() * truth[i]).head<3>().norm(), 0.15) << i;
+  }
   // Where nothing is seen again the first frame that shows something starts a segment.
   for (int i = 50; i < 80; ++i) {
     for (Observation& observation : frames[i].observations) {

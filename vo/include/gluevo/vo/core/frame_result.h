@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
 
@@ -26,6 +27,13 @@ struct FrameResult {
   bool is_doubtful = false;
   /// Whether it was located with next to nothing in the right image: by the left one alone.
   bool is_left_only = false;
+  /// How good the motion since the frame at `motion_from_ns` is, the newest key frame before this
+  /// one (of a predicted pose the last one that was located), of the pose of this body in that one.
+  /// At the first frame of a segment zero, from itself.
+  PoseCovariance motion_covariance = PoseCovariance::Zero();
+  int64_t motion_from_ns = 0;
+  /// How good world_from_body is, in the frame of the segment's first pose.
+  PoseCovariance path_covariance = PoseCovariance::Zero();
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).

@@ -46,8 +46,10 @@ class TrackVotes {
               std::span<PnpObservation> points) const;
   bool Moves(int64_t track_id) const;
 
-  /// What became of the frame's tracks: one verdict an observation, where it was judged. Tracks
-  /// that the frame does not have are forgotten.
+  /// What became of the frame's tracks: one verdict an observation, where it was judged. A right
+  /// view that does not fit is a disagreement, too, where most right views fit: what crosses the
+  /// view looks to the left camera like a point at another depth. Tracks that the frame does not
+  /// have are forgotten.
   void Learn(const TrackedFrame& frame, const std::vector<std::optional<PnpVerdict>>& verdicts);
   void Clear() { records_.clear(); }
 
