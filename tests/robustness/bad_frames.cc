@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@ struct Arguments {
   int stride = 1;
   double factor = 2.0;
   double slack_m = 0.005;
+  std::optional<double> max_predicted_s;
 };
 
 // Around the middle of the sequence.
@@ -57,8 +59,10 @@ struct Outcome {
 };
 
 Outcome RunOver(const vo::Dataset& dataset, const std::string& method,
-                const std::vector<vo::StereoFrame>& frames) {
-  vo::Odometry odometry(dataset.rig, vo::PresetConfig(vo::PresetOf(dataset.format), method));
+                std::optional<double> max_predicted_s, const std::vector<vo::StereoFrame>& frames) {
+  vo::OdometryConfig config = vo::PresetConfig(vo::PresetOf(dataset.format), method);
+  config.odometry.max_predicted_s = max_predicted_s.value_or(config.odometry.max_predicted_s);
+  vo::Odometry odometry(dataset.rig, config);
   Outcome outcome;
   for (const vo::StereoFrame& frame : frames) {
     const vo::FrameResult result = odometry.Process(frame);
@@ -112,7 +116,8 @@ class Table {
 
   // False where a bar is missed.
   bool Row(const std::string& method, const Case& spoiled) {
-    const Outcome outcome = RunOver(dataset_, method, Spoil(frames_, spoiled));
+    const Outcome outcome =
+        RunOver(dataset_, method, arguments_.max_predicted_s, Spoil(frames_, spoiled));
     const vo::Trajectory& groundtruth = *dataset_.groundtruth;
     const Errors errors = ErrorsOf(WithoutSpoiled(outcome.trajectory, spoiled), groundtruth);
     const Errors without = Without(method, spoiled);
@@ -147,7 +152,8 @@ class Table {
     if (known != without_.end()) {
       return known->second;
     }
-    const Outcome outcome = RunOver(dataset_, method, WithoutSpoiled(frames_, spoiled));
+    const Outcome outcome =
+        RunOver(dataset_, method, arguments_.max_predicted_s, WithoutSpoiled(frames_, spoiled));
     return without_[key] = ErrorsOf(outcome.trajectory, *dataset_.groundtruth);
   }
 
@@ -215,6 +221,7 @@ int main(int argc, char** argv) {
   app.add_option("--stride", arguments.stride)->capture_default_str();
   app.add_option("--factor", arguments.factor, "Errors may be so many times those without")
       ->capture_default_str();
+  app.add_option("--max-predicted", arguments.max_predicted_s, "As for gluevo run");
   app.add_option("--slack", arguments.slack_m, "... and so much more, metres")
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);

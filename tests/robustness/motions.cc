@@ -140,8 +140,8 @@ std::optional<double> SquaredError(const Run& run, std::size_t frame,
     return std::nullopt;
   }
   const Eigen::Matrix<double, 6, 1> error =
-      vo::PoseError(from->world_from_body.Inverse() * to.world_from_body,
-                    truth_from->world_from_body.Inverse() * truth_to->world_from_body);
+      vo::ErrorOfPose(from->world_from_body.Inverse() * to.world_from_body,
+                      truth_from->world_from_body.Inverse() * truth_to->world_from_body);
   return error.dot(to.motion_covariance.ldlt().solve(error)) / 6.0;
 }
 

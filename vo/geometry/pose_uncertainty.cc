@@ -17,8 +17,8 @@ PoseCovariance Compose(const PoseCovariance& of_a_from_b, const Rigid3& b_from_c
   return through * of_a_from_b * through.transpose() + of_b_from_c;
 }
 
-Eigen::Matrix<double, 6, 1> PoseError(const Rigid3& estimated_a_from_b,
-                                      const Rigid3& true_a_from_b) {
+Eigen::Matrix<double, 6, 1> ErrorOfPose(const Rigid3& estimated_a_from_b,
+                                        const Rigid3& true_a_from_b) {
   const Rigid3 error = estimated_a_from_b.Inverse() * true_a_from_b;
   Eigen::Matrix<double, 6, 1> vector;
   vector << error.translation, LogSo3(error.rotation);

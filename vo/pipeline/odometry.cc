@@ -139,7 +139,9 @@ bool Odometry::MayPassOver(const TrackedFrame& frame) const {
   }
   const double seconds =
       static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
-  return CountStereo(frame) < options_.min_stereo || seconds <= options_.max_predicted_s;
+  const bool has_something_to_wait_for = window_->CountLandmarks() > 0;
+  return CountStereo(frame) < options_.min_stereo ||
+         (has_something_to_wait_for && seconds <= options_.max_predicted_s);
 }
 
 void Odometry::PassOver(FrameResult& result) {

@@ -19,7 +19,7 @@ const Rigid3 kSecond{ExpSo3({-0.5, 0.2, 0.4}), {0.3, 1.4, -0.7}};
 TEST(PoseUncertainty, AnErrorIsTheMotionFromTheEstimateToTheTruth) {
   Vector6 error;
   error << 0.01, -0.02, 0.03, 0.02, 0.01, -0.015;
-  EXPECT_LT((PoseError(kFirst, Moved(kFirst, error)) - error).norm(), 1e-12);
+  EXPECT_LT((ErrorOfPose(kFirst, Moved(kFirst, error)) - error).norm(), 1e-12);
 }
 
 TEST(PoseUncertainty, ErrorsGoThroughAMotionAsTheirDerivativesSay) {
@@ -27,7 +27,7 @@ TEST(PoseUncertainty, ErrorsGoThroughAMotionAsTheirDerivativesSay) {
   const Eigen::Matrix<double, 6, 6> through = ErrorThrough(kSecond);
   for (int column = 0; column < 6; ++column) {
     const Vector6 error = kStep * Vector6::Unit(column);
-    const Vector6 numeric = PoseError(kFirst * kSecond, Moved(kFirst, error) * kSecond) / kStep;
+    const Vector6 numeric = ErrorOfPose(kFirst * kSecond, Moved(kFirst, error) * kSecond) / kStep;
     EXPECT_LT((numeric - through.col(column)).norm(), 1e-5) << column;
   }
 }

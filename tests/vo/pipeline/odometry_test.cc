@@ -124,8 +124,8 @@ std::vector<double> SquaredMotionErrors(const std::vector<FrameResult>& results,
   for (std::size_t i = 1; i < results.size(); ++i) {
     const auto from = static_cast<std::size_t>(results[i].motion_from_ns / kStepNs);
     const Eigen::Matrix<double, 6, 1> error =
-        PoseError(results[from].world_from_body.Inverse() * results[i].world_from_body,
-                  truth[from].Inverse() * truth[i]);
+        ErrorOfPose(results[from].world_from_body.Inverse() * results[i].world_from_body,
+                    truth[from].Inverse() * truth[i]);
     squares.push_back(error.dot(results[i].motion_covariance.ldlt().solve(error)));
   }
   return squares;
@@ -207,6 +207,13 @@ TEST(Odometry, MetresBetweenFrames) {
   }
 }
 
+// The first frame that nothing links to those before starts a segment.
+OdometryOptions WithoutPatience() {
+  OdometryOptions options;
+  options.max_predicted_s = 0.0;
+  return options;
+}
+
 TEST(Odometry, DeclaresAResetWhenTracksVanish) {
   const auto truth = Flight(60);
   auto frames = Observe(truth, {.noise_px = 0.5});
@@ -215,7 +222,7 @@ TEST(Odometry, DeclaresAResetWhenTracksVanish) {
       observation.track_id += 100'000;
     }
   }
-  const auto results = RunOdometry(frames);
+  const auto results = RunOdometry(frames, WithoutPatience());
   EXPECT_EQ(results[29].segment, 0);
   EXPECT_EQ(results[30].segment, 1);
   EXPECT_EQ(results[59].segment, 1);
@@ -233,7 +240,7 @@ TEST(Odometry, NeverJumpsSilently) {
     frames[20].observations[k].track_id =
         frames[19].observations[(k * 37 + 11) % frames[19].observations.size()].track_id;
   }
-  const auto results = RunOdometry(frames);
+  const auto results = RunOdometry(frames, WithoutPatience());
   for (std::size_t i = 1; i < results.size(); ++i) {
     ASSERT_TRUE(results[i].world_from_body.translation.allFinite()) << i;
     EXPECT_FALSE(results[i].is_predicted);
@@ -242,6 +249,12 @@ TEST(Odometry, NeverJumpsSilently) {
     }
   }
   EXPECT_GT(results[20].segment, results[19].segment);
+  // Who waits for what is known finds it in the frame after.
+  const auto patient = RunOdometry(frames);
+  EXPECT_TRUE(patient[20].is_predicted);
+  EXPECT_FALSE(patient[21].is_predicted);
+  EXPECT_EQ(patient[59].segment, 0);
+  EXPECT_LT(MotionErrors(patient, truth, 0, 59).position_m, 0.1);
 }
 
 void MakeBlind(TrackedFrame* frame) { frame->observations.clear(); }
@@ -293,7 +306,7 @@ TEST(Odometry, ALongTimeInTheDarkEndsWithWhatIsSeenAgain) {
   EXPECT_LT(MotionErrors(results, truth, 3, 29).position_m, 0.1);
   for (std::size_t i = 50; i < 80; ++i) {
     const Rigid3 moved = results[3].world_from_body.Inverse() * results[i].world_from_body;
-    EXPECT_LT(PoseError(moved, truth[3].Inverse() * truth[i]).head<3>().norm(), 0.15) << i;
+    EXPECT_LT(ErrorOfPose(moved, truth[3].Inverse() * truth[i]).head<3>().norm(), 0.15) << i;
   }
   // Where nothing is seen again the first frame that shows something starts a segment.
   for (int i = 50; i < 80; ++i) {
@@ -301,7 +314,7 @@ TEST(Odometry, ALongTimeInTheDarkEndsWithWhatIsSeenAgain) {
       observation.track_id += 100'000;
     }
   }
-  const auto lost = RunOdometry(frames);
+  const auto lost = RunOdometry(frames, WithoutPatience());
   EXPECT_EQ(lost[49].segment, 1);
   EXPECT_EQ(lost[50].segment, 2);
   EXPECT_EQ(lost[79].segment, 2);
@@ -399,7 +412,7 @@ TEST(Odometry, SaysWhatItSawInFramesThatItLost) {
       observation.tracking_confidence = i > 0 ? 1.0F : 0.0F;
     }
   }
-  const auto results = RunOdometry(frames);
+  const auto results = RunOdometry(frames, WithoutPatience());
   EXPECT_EQ(results[0].matched, 0);
   EXPECT_EQ(results[0].tracked, 0);
   EXPECT_EQ(results[1].segment, 1);

@@ -13,7 +13,7 @@ PoseCovariance Compose(const PoseCovariance& of_a_from_b, const Rigid3& b_from_c
                        const PoseCovariance& of_b_from_c);
 
 /// The error of an estimate in the axes of its b: what a PoseCovariance is the covariance of.
-Eigen::Matrix<double, 6, 1> PoseError(const Rigid3& estimated_a_from_b,
-                                      const Rigid3& true_a_from_b);
+Eigen::Matrix<double, 6, 1> ErrorOfPose(const Rigid3& estimated_a_from_b,
+                                        const Rigid3& true_a_from_b);
 
 }  // namespace gluevo::vo

@@ -18,7 +18,7 @@ struct OdometryOptions {
   int min_stereo = 15;
   /// The same goes for a frame that shows something, but nothing that was seen before, until this
   /// time has passed since the last located frame, seconds: then it starts a segment.
-  double max_predicted_s = 0.0;
+  double max_predicted_s = 1.0;
 
   /// Throws Error naming the option.
   void Validate() const;
