@@ -115,9 +115,6 @@ bool IsDeclared(const Run& run, std::size_t frame) {
 std::optional<double> SquaredError(const Run& run, std::size_t frame,
                                    const vo::Trajectory& groundtruth) {
   const vo::FrameResult& to = run.frames[frame];
-  const auto from = std::find_if(run.frames.begin(), run.frames.end(), [&](const auto& other) {
-    return other.timestamp_ns == to.motion_from_ns;
-  });
   const auto truth_at = [&](int64_t timestamp_ns) {
     constexpr int64_t kNearNs = 10'000'000;
     const auto next = std::lower_bound(
@@ -135,13 +132,12 @@ std::optional<double> SquaredError(const Run& run, std::size_t frame,
   };
   const auto truth_from = truth_at(to.motion_from_ns);
   const auto truth_to = truth_at(to.timestamp_ns);
-  if (from == run.frames.end() || truth_from == groundtruth.end() ||
-      truth_to == groundtruth.end() || to.is_predicted || to.motion_from_ns == to.timestamp_ns) {
+  if (truth_from == groundtruth.end() || truth_to == groundtruth.end() || to.is_predicted ||
+      to.motion_from_ns == to.timestamp_ns) {
     return std::nullopt;
   }
-  const Eigen::Matrix<double, 6, 1> error =
-      vo::ErrorOfPose(from->world_from_body.Inverse() * to.world_from_body,
-                      truth_from->world_from_body.Inverse() * truth_to->world_from_body);
+  const Eigen::Matrix<double, 6, 1> error = vo::ErrorOfPose(
+      to.keyframe_from_body, truth_from->world_from_body.Inverse() * truth_to->world_from_body);
   return error.dot(to.motion_covariance.ldlt().solve(error)) / 6.0;
 }
 
@@ -182,6 +178,10 @@ Row Print(const Arguments& arguments, const vo::Dataset& dataset, const std::str
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     if (const auto square = SquaredError(run, i, *dataset.groundtruth)) {
       squares.push_back(*square);
+      constexpr double kMuch = 5.0;
+      if (arguments.lists && *square > kMuch) {
+        std::printf("    frame %zu: squared error %.1f times the variance\n", i, *square);
+      }
     }
   }
   for (const vo::FrameResult& result : run.frames) {

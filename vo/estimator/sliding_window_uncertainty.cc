@@ -26,7 +26,7 @@ double MeanSquare(const WindowProblem& problem, double views_cost) {
 
 }  // namespace
 
-std::optional<PoseCovariance> SlidingWindow::CovarianceSinceKeyframe() {
+std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
   const auto keyframe = std::find_if(frames_.rbegin() + (frames_.empty() ? 0 : 1), frames_.rend(),
                                      [](const Frame& frame) { return frame.is_keyframe; });
   if (keyframe == frames_.rend()) {
@@ -53,8 +53,8 @@ std::optional<PoseCovariance> SlidingWindow::CovarianceSinceKeyframe() {
   Eigen::Matrix<double, 6, 12> of_motion;
   of_motion << -ErrorThrough(keyframe_from_body) * ToBodyAxes(keyframe->world_from_body),
       ToBodyAxes(world_from_body);
-  return MeanSquare(problem, workspace.equations.views_cost()) * of_motion * *both *
-         of_motion.transpose();
+  const double scale = MeanSquare(problem, workspace.equations.views_cost());
+  return Motion{keyframe_from_body, scale * of_motion * *both * of_motion.transpose()};
 }
 
 }  // namespace gluevo::vo

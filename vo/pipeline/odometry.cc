@@ -148,9 +148,7 @@ void Odometry::PassOver(FrameResult& result) {
   ++passed_over_;
   result.is_predicted = true;
   result.world_from_body = history_.Predict(result.timestamp_ns);
-  result.motion_from_ns = history_.last()->timestamp_ns;
-  result.motion_covariance = history_.PredictionCovariance(result.timestamp_ns);
-  result.path_covariance = uncertainty_.After(result.world_from_body, result.motion_covariance);
+  RateByMotionBefore(result);
   Describe(result);
   frontend_->Accept({.is_passed_over = true});
 }
@@ -269,19 +267,29 @@ void Odometry::Describe(FrameResult& result) const {
 }
 
 void Odometry::Rate(bool is_linked, FrameResult& result) {
-  result.motion_from_ns = is_linked ? keyframe_ns_ : result.timestamp_ns;
-  if (is_linked) {
-    const std::optional<PoseCovariance> covariance = window_->CovarianceSinceKeyframe();
-    result.motion_covariance =
-        covariance ? *covariance : history_.PredictionCovariance(result.timestamp_ns);
+  if (!is_linked) {
+    uncertainty_.Start();
+    result.motion_from_ns = result.timestamp_ns;
+  } else if (const auto motion = window_->MotionSinceKeyframe()) {
+    result.keyframe_from_body = motion->keyframe_from_body;
+    result.motion_from_ns = keyframe_ns_;
+    result.motion_covariance = motion->covariance;
     result.path_covariance =
-        uncertainty_.Add(result.world_from_body, result.motion_covariance, result.is_keyframe);
+        uncertainty_.Add(motion->keyframe_from_body, motion->covariance, result.is_keyframe);
   } else {
-    uncertainty_.Start(result.world_from_body);
+    RateByMotionBefore(result);
   }
   if (result.is_keyframe) {
     keyframe_ns_ = result.timestamp_ns;
   }
+}
+
+void Odometry::RateByMotionBefore(FrameResult& result) const {
+  const StampedPose& last = *history_.last();
+  result.keyframe_from_body = last.world_from_body.Inverse() * result.world_from_body;
+  result.motion_from_ns = last.timestamp_ns;
+  result.motion_covariance = history_.PredictionCovariance(result.timestamp_ns);
+  result.path_covariance = uncertainty_.After(result.keyframe_from_body, result.motion_covariance);
 }
 
 }  // namespace gluevo::vo

@@ -124,8 +124,7 @@ std::vector<double> SquaredMotionErrors(const std::vector<FrameResult>& results,
   for (std::size_t i = 1; i < results.size(); ++i) {
     const auto from = static_cast<std::size_t>(results[i].motion_from_ns / kStepNs);
     const Eigen::Matrix<double, 6, 1> error =
-        ErrorOfPose(results[from].world_from_body.Inverse() * results[i].world_from_body,
-                    truth[from].Inverse() * truth[i]);
+        ErrorOfPose(results[i].keyframe_from_body, truth[from].Inverse() * truth[i]);
     squares.push_back(error.dot(results[i].motion_covariance.ldlt().solve(error)));
   }
   return squares;

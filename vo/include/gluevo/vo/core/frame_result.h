@@ -27,11 +27,13 @@ struct FrameResult {
   bool is_doubtful = false;
   /// Whether it was located with next to nothing in the right image: by the left one alone.
   bool is_left_only = false;
-  /// How good the motion since the frame at `motion_from_ns` is, the newest key frame before this
-  /// one (of a predicted pose the last one that was located), of the pose of this body in that one.
-  /// At the first frame of a segment zero, from itself.
-  PoseCovariance motion_covariance = PoseCovariance::Zero();
+  /// The motion since the newest key frame before this one (of a predicted pose since the last one
+  /// that was located), which was at `motion_from_ns`: the body's pose in that one's frame, as the
+  /// window has both now. The key frame's pose may have been revised since it was given. At the
+  /// first frame of a segment from itself.
+  Rigid3 keyframe_from_body;
   int64_t motion_from_ns = 0;
+  PoseCovariance motion_covariance = PoseCovariance::Zero();  ///< How good it is.
   /// How good world_from_body is, in the frame of the segment's first pose.
   PoseCovariance path_covariance = PoseCovariance::Zero();
   int observations = 0;  ///< Tracks in the frame.

@@ -61,8 +61,10 @@ class Odometry {
   bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
   FramePose StartSegment(const TrackedFrame& frame);
   void Describe(FrameResult& result) const;
-  /// How good the located pose is.
+  /// How good the located pose is ...
   void Rate(bool is_linked, FrameResult& result);
+  /// ... and one that only the motion before says something of.
+  void RateByMotionBefore(FrameResult& result) const;
   /// Of a motion from the last pose, metres a second.
   double SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const;
   bool IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const;

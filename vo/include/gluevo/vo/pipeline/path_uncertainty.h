@@ -11,24 +11,18 @@ namespace gluevo::vo {
 class PathUncertainty {
  public:
   /// A segment begins: its first pose is what all others are seen from, and a key frame.
-  void Start(const Rigid3& world_from_body);
+  void Start() { *this = {}; }
 
-  /// Of the newest pose, by how good its motion since the newest key frame before it is. A key
-  /// frame is what the next motions start at.
-  PoseCovariance Add(const Rigid3& world_from_body, const PoseCovariance& of_motion,
+  /// Of the newest pose, by its motion since the newest key frame before it. A key frame is what
+  /// the next motions start at.
+  PoseCovariance Add(const Rigid3& keyframe_from_body, const PoseCovariance& of_motion,
                      bool is_keyframe);
   /// Of a pose that goes on from the newest one that was added.
-  PoseCovariance After(const Rigid3& world_from_body, const PoseCovariance& of_motion) const;
+  PoseCovariance After(const Rigid3& newest_from_body, const PoseCovariance& of_motion) const;
 
  private:
-  struct Known {
-    Rigid3 world_from_body;
-    PoseCovariance covariance = PoseCovariance::Zero();
-  };
-  static PoseCovariance From(const Known& known, const Rigid3& world_from_body,
-                             const PoseCovariance& of_motion);
-
-  Known keyframe_, newest_;
+  PoseCovariance keyframe_ = PoseCovariance::Zero();
+  PoseCovariance newest_ = PoseCovariance::Zero();
 };
 
 }  // namespace gluevo::vo

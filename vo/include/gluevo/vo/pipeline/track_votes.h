@@ -25,7 +25,7 @@ struct VoteOptions {
   /// A track that disagrees so often in sequence moves by itself, and is kept out of the estimate.
   /// Each pose that it agreed with before, up to full_after, is worth half a disagreement more.
   /// 0: none is kept out.
-  int strikes = 2;
+  int strikes = 1;
   /// Where the tracks that agree have a smaller share of all votes, a pose is doubtful.
   double doubtful_share = 0.5;
 
