@@ -69,9 +69,9 @@ class SlidingWindow {
     PoseCovariance covariance;
   };
   /// The newest frame's pose in the newest key frame before it, as the last Optimize() has it, and
-  /// how well it knows it. Observations are taken to be as good as they fit: the covariance is scaled by the mean square
-  /// of the residuals. Nothing where the newest frame is the only one, or where the window does not
-  /// settle it.
+  /// how well it knows it. Observations are taken to be as good as they fit: the covariance is
+  /// scaled by the mean square of the residuals. Nothing where the newest frame is the only one, or
+  /// where the window does not settle it.
   std::optional<Motion> MotionSinceKeyframe();
   /// Drops landmarks that fit badly or came to lie behind a camera that sees them; those seen in
   /// the newest frame start again from it.
