@@ -252,7 +252,7 @@ TEST_F(InterruptionTest, AFullDiskIsOneLineForEveryOutput) {
   };
   const std::vector<Case> cases{
       {run, "trajectory.tum", 2000},
-      {run, "covariance.csv", 3000},
+      {run, "covariance.csv", 6000},
       {run, "report.html", 16'000},
       {run + " --save-matches " + Path("n.h5"), "n.h5", 60'000},
       {"extract " + images + " -o " + Path("n.h5"), "n.h5", 60'000},

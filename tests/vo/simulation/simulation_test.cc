@@ -419,6 +419,7 @@ TEST(SimulationTest, MoversFillTheirShareAndNothingElseChanges) {
 
   double most = 0.0;
   int changed = 0;
+  int strays = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(folder.path() / "moving/mav0/cam0/movers")) {
     const std::string name = entry.path().filename().string();
@@ -437,14 +438,16 @@ TEST(SimulationTest, MoversFillTheirShareAndNothingElseChanges) {
       for (int x = 2; x + 2 < mask.cols; ++x) {
         const int around = cv::countNonZero(mask(cv::Rect(x - 2, y - 2, 5, 5)));
         const bool differs = still.at<uchar>(y, x) != moving.at<uchar>(y, x);
-        EXPECT_FALSE(around == 0 && differs) << name << ' ' << x << ' ' << y;
+        strays += around == 0 && differs ? 1 : 0;
         changed += around == 25 && differs ? 1 : 0;
       }
     }
   }
   EXPECT_GT(most, 0.15);
-  EXPECT_LT(most, 0.4);
+  EXPECT_LT(most, 2 * 0.3);  // Both of them at once.
   EXPECT_GT(changed, 1000);
+  // A face that is seen edge on may be a sliver between centres.
+  EXPECT_LT(strays, 5);
 }
 
 TEST(SimulationTest, MoversAreChecked) {
