@@ -1,10 +1,7 @@
-// A call of a network after the first asks the system for no memory. This program counts: its
-// malloc family stands before glibc's.
+// A call of a network after the first asks the system for no memory.
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cerrno>
 #include <cstdint>
 #include <cstdlib>
 #include <limits>
@@ -13,66 +10,11 @@
 
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
+#include "nn/allocation_counter.h"
 #include "nn/golden.h"
-
-// Sanitisers bring a malloc of their own.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define GLUEVO_COUNTS_ALLOCATIONS 0
-#else
-#define GLUEVO_COUNTS_ALLOCATIONS 1
-#endif
-
-namespace {
-std::atomic<int64_t> allocations = 0;
-}  // namespace
-
-#if GLUEVO_COUNTS_ALLOCATIONS
-extern "C" {
-// The names are glibc's.
-// NOLINTBEGIN(bugprone-reserved-identifier,readability-identifier-naming)
-void* __libc_malloc(std::size_t size);
-void* __libc_calloc(std::size_t count, std::size_t size);
-void* __libc_realloc(void* memory, std::size_t size);
-void* __libc_memalign(std::size_t alignment, std::size_t size);
-// NOLINTEND(bugprone-reserved-identifier,readability-identifier-naming)
-
-void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* memory, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_realloc(memory, size);
-}
-void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-int posix_memalign(void** memory, std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
-  *memory = __libc_memalign(alignment, size);
-  return *memory != nullptr ? 0 : ENOMEM;
-}
-}  // extern "C"
-#endif
 
 namespace gluevo::nn {
 namespace {
-
-template <typename Call>
-int64_t AllocationsOf(const Call& call) {
-  const int64_t before = allocations;
-  call();
-  return allocations - before;
-}
 
 class SteadyStateTest : public testing::TestWithParam<int> {
  protected:

@@ -117,7 +117,7 @@ TEST_F(WeightsCommandTest, RefusesWhatIsCutShortAndWritesNothing) {
 TEST_F(WeightsCommandTest, ConvertsAFileOfBothIntoAFolderOrTheOneThatIsAsked) {
   const std::string both = Data("both_hugging_face.safetensors");
   ExpectRefused("convert " + both + " -o " + Path("out.safetensors"),
-                "holds a SuperPoint and a SuperGlue: choose one by --network");
+                "holds several networks: choose one by --network");
   ASSERT_EQ(Run("convert " + both + " --network superglue -o " + Path("glue")).exit_code, 0);
   ASSERT_EQ(Run("convert " + both + " -o " + Path("")).exit_code, 0);
   EXPECT_EQ(Contents(Path("glue")), Contents(Path("superglue.safetensors")));

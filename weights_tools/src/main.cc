@@ -65,10 +65,10 @@ void RunConvert(const ConvertArguments& arguments) {
   const std::vector<nn::Weights> networks = Convert(arguments.inputs, arguments.options);
   if (!NamesFolder(arguments.output) && networks.size() > 1) {
     throw Error(networks.front().source +
-                ": holds a SuperPoint and a SuperGlue: choose one by --network, or name a folder "
-                "for both by -o");
+                ": holds several networks: choose one by --network, or name a folder for all of "
+                "them by -o");
   }
-  // All places before the first file: both networks or none.
+  // All places before the first file: all networks or none.
   std::vector<std::filesystem::path> paths;
   paths.reserve(networks.size());
   for (const nn::Weights& weights : networks) {
@@ -99,7 +99,7 @@ void AddConvert(CLI::App& app) {
   command
       ->add_option("-o,--output", arguments->output,
                    "The .safetensors file to write, or a folder (made if it ends with /), in which "
-                   "superpoint.safetensors and superglue.safetensors are written")
+                   "superpoint.safetensors, superglue.safetensors and so on are written")
       ->required()
       ->check(CLI::Validator(
           [](const std::string& path) { return path.empty() ? "names nothing" : std::string(); },
@@ -112,8 +112,8 @@ void AddConvert(CLI::App& app) {
   command->add_option("--heads", arguments->options.heads, kHeadsHelp);
   command
       ->add_option("--network", arguments->options.network,
-                   "The one that is wanted of a file that holds both: superpoint or superglue")
-      ->check(CLI::IsMember({"superpoint", "superglue"}));
+                   "The one that is wanted of a file that holds several")
+      ->check(CLI::IsMember(kNetworkNames));
   command->footer(
       "Example:\n  gluevo-weights convert superglue_outdoor.pth -o superglue.safetensors");
   command->callback([arguments] { RunConvert(*arguments); });
@@ -168,15 +168,16 @@ void AddVerify(CLI::App& app) {
   command->add_option("--heads", arguments->options.heads, kHeadsHelp);
   command
       ->add_option("--network", arguments->options.network,
-                   "The one that is wanted of files that hold both: superpoint or superglue")
-      ->check(CLI::IsMember({"superpoint", "superglue"}));
+                   "The one that is wanted of files that hold several")
+      ->check(CLI::IsMember(kNetworkNames));
   command->footer("Example:\n  gluevo-weights verify superglue_outdoor.pth superglue.safetensors");
   command->callback([arguments] { RunVerify(*arguments); });
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("Converts, inspects and compares the weights of SuperPoint and SuperGlue",
-               "gluevo-weights");
+  CLI::App app(
+      "Converts, inspects and compares the weights of SuperPoint, SuperGlue, ALIKED and LightGlue",
+      "gluevo-weights");
   app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo-weights inspect superpoint.safetensors");
