@@ -35,7 +35,9 @@ Affine TapMajor(const Affine& affine, const Affine& shortcut) {
       result.weight.col(tap * padded + channel) = affine.weight.col(channel * kTaps + tap);
     }
   }
-  result.weight.rightCols(shortcut.weight.cols()) = shortcut.weight;
+  if (shortcut.weight.size() > 0) {
+    result.weight.rightCols(shortcut.weight.cols()) = shortcut.weight;
+  }
   return result;
 }
 
