@@ -248,29 +248,29 @@ void ExpectError(const Call& call, const std::string& text) {
 }
 
 TEST(LightGlueTest, RefusesWhatDoesNotBelongToIt) {
-  const LightGlue lightglue(RandomLightGlueWeights(1));
+  const LightGlue lightglue(RandomLightGlueWeights(1, 32, 64, 2));
   ThreadPool pool(1);
   Workspace workspace(pool);
   Matches matches;
-  const Features features = RandomFeatures(5, 64, 1);
+  const Features features = RandomFeatures(5, 48, 1);
   ExpectError([&] { lightglue.Match(features, features, {}, workspace, matches); },
-              "descriptors of 64 values cannot be matched by a LightGlue of 128");
+              "descriptors of 48 values cannot be matched by a LightGlue of 32");
   ExpectError([&] { LightGlue{OpenSuperGlueWeights()}; }, "these are a SuperGlue's");
 
-  Weights weights = RandomLightGlueWeights(2);
-  weights.tensors["transformers.1.self_attn.Wqkv.weight"] = Tensor<float>(Shape{256, 256});
+  Weights weights = RandomLightGlueWeights(2, 32, 64, 2);
+  weights.tensors["transformers.1.self_attn.Wqkv.weight"] = Tensor<float>(Shape{64, 64});
   ExpectError([&] { LightGlue{weights}; },
-              "\"transformers.1.self_attn.Wqkv.weight\" has shape [256 x 256]");
-  weights = RandomLightGlueWeights(2);
-  weights.tensors["posenc.Wr.weight"] = Tensor<float>(Shape{32, 4});
-  ExpectError([&] { LightGlue{weights}; }, "posenc.Wr.weight has shape [32 x 4]");
-  weights.tensors["posenc.Wr.weight"] = Tensor<float>(Shape{31, 2});
-  ExpectError([&] { LightGlue{weights}; }, "do not divide into heads of 62");
-  weights = RandomLightGlueWeights(2);
+              "\"transformers.1.self_attn.Wqkv.weight\" has shape [64 x 64]");
+  weights = RandomLightGlueWeights(2, 32, 64, 2);
+  weights.tensors["posenc.Wr.weight"] = Tensor<float>(Shape{16, 4});
+  ExpectError([&] { LightGlue{weights}; }, "posenc.Wr.weight has shape [16 x 4]");
+  weights.tensors["posenc.Wr.weight"] = Tensor<float>(Shape{15, 2});
+  ExpectError([&] { LightGlue{weights}; }, "do not divide into heads of 30");
+  weights = RandomLightGlueWeights(2, 32, 64, 2);
   weights.tensors.erase("token_confidence.0.token.0.weight");
   const LightGlue unsure(weights);
   EXPECT_FALSE(unsure.has_adaptive_depth());
-  const Features right = RandomFeatures(5, 128, 1);
+  const Features right = RandomFeatures(5, 32, 1);
   ExpectError([&] { unsure.Match(right, right, {}, workspace, matches); },
               "depth confidence must be 0");
   ExpectError([] { LightGlueOptions{.width_confidence = 1.0F}.Validate(); }, "width confidence");
