@@ -220,12 +220,13 @@ void AlikedNetwork::Describe(const AlikedMaps& maps, Workspace& workspace,
   };
   workspace.pool.ParallelFor(bands, [&](int64_t band, int worker) {
     const int64_t begin = keypoints * band / bands;
+    const int64_t end = keypoints * (band + 1) / bands;
     DescribeBand(
-        maps, begin, keypoints * (band + 1) / bands - begin,
+        maps, {features.keypoints.data() + 2 * begin, end - begin},
         {of_worker(patches, worker), of_worker(offsets, worker), of_worker(corners, worker),
          of_worker(sampled, worker), of_worker(samples, worker), of_worker(gathered, worker),
          of_worker(pixels, worker)},
-        features);
+        features.descriptors.data() + begin * layers_.size);
   });
 }
 
