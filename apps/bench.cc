@@ -126,9 +126,10 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
 void Bench(BenchArguments arguments) {
   ParseSize(arguments.size, arguments.inputs);
   if (!arguments.output.empty()) {
-    CheckOutputsAreNoInputs({arguments.output},
-                            {arguments.inputs.image, arguments.inputs.features,
-                             arguments.networks.superpoint, arguments.networks.superglue});
+    CheckOutputsAreNoInputs(
+        {arguments.output},
+        {arguments.inputs.image, arguments.inputs.features, arguments.networks.weights,
+         arguments.networks.superpoint, arguments.networks.superglue});
     nn::CheckPlaceForFile(arguments.output);
   }
   nn::ThreadPool pool(arguments.threads);

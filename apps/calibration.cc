@@ -1,6 +1,7 @@
 // gluevo calibration: what a calibration file says, and the same in another form.
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <iomanip>
@@ -137,12 +138,26 @@ void WriteCalibration(const CalibrationArguments& arguments, const vo::StereoRig
   }
 }
 
+// A size is for files that have none, or several: it does not turn one into another.
+void CheckSize(const vo::Calibration& calibration, const std::array<int, 2>& asked) {
+  for (const vo::Camera& camera : calibration.rig.cameras) {
+    if (std::array{camera.width, camera.height} != asked) {
+      throw Error(calibration.files[0].string() + ": images of " + std::to_string(camera.width) +
+                  " x " + std::to_string(camera.height) + " pixels, --size says " +
+                  std::to_string(asked[0]) + " x " + std::to_string(asked[1]));
+    }
+  }
+}
+
 void RunCalibration(const CalibrationArguments& arguments) {
   if (arguments.form.empty() != arguments.output.empty()) {
     throw Error("--write and -o belong together: the form and where to write it");
   }
-  const vo::Calibration calibration =
-      vo::ReadCalibration(arguments.files, ParseImageSize(arguments.size));
+  const std::optional<std::array<int, 2>> size = ParseImageSize(arguments.size);
+  const vo::Calibration calibration = vo::ReadCalibration(arguments.files, size);
+  if (size) {
+    CheckSize(calibration, *size);
+  }
   if (!arguments.form.empty()) {
     CheckOutputsAreNoInputs(FilesToWrite(arguments), calibration.files);
   }

@@ -29,6 +29,8 @@ pid_t StartSelf(const std::vector<std::string>& arguments, const std::filesystem
   const pid_t child = fork();
   if (child == 0) {
     // Only calls that are safe between fork and exec.
+    // A group of its own: a terminal's Ctrl-C comes by way of the parent, once.
+    setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) {
       _exit(127);  // The parent ended before it could be watched.

@@ -9,7 +9,8 @@
 namespace gluevo::apps {
 
 /// Starts this very program anew with other arguments; what it prints goes to the end of `log`. It
-/// ends where this process does. Throws Error where the log cannot be written or nothing started.
+/// ends where this process does, and gets no signal of a terminal but by this one. Throws Error
+/// where the log cannot be written or nothing started.
 pid_t StartSelf(const std::vector<std::string>& arguments, const std::filesystem::path& log);
 
 /// How a child ended, from what waitpid says: empty for exit code 0, else "ended with exit code 1"

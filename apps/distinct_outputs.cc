@@ -1,6 +1,6 @@
 #include "distinct_outputs.h"
 
-#include <algorithm>
+#include <fstream>
 #include <system_error>
 
 #include "gluevo/nn/error.h"
@@ -16,15 +16,10 @@ bool IsSame(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, ignored) && !fs::is_directory(a, ignored);
 }
 
-// Data sets may have results among them, but those have no image's name.
-bool IsImageIn(const fs::path& file, const fs::path& folder) {
-  std::error_code code;
-  if (!vo::HasImageEnding(file) || !fs::is_directory(folder, code) ||
-      !fs::is_regular_file(file, code)) {
-    return false;
-  }
-  const fs::path below = fs::canonical(file, code).lexically_relative(fs::canonical(folder, code));
-  return !code && !below.empty() && *below.begin() != "..";
+// Folders may have results among their files, but those have no such names.
+bool IsImageOrWeights(const fs::path& name) {
+  return vo::HasImageEnding(name) || name.extension() == ".safetensors" ||
+         name.extension() == ".npz";
 }
 
 }  // namespace
@@ -34,12 +29,38 @@ void CheckOutputsAreNoInputs(const std::vector<fs::path>& outputs,
   for (const fs::path& output : outputs) {
     for (const fs::path& input : inputs) {
       if (!output.empty() && !input.empty() &&
-          (IsSame(output, input) || IsImageIn(output, input))) {
+          (IsSame(output, input) || (IsImageOrWeights(output) && IsFileBelow(output, input)))) {
         throw Error(output.string() +
                     ": cannot be written: is an input of this command, which the output would "
                     "replace");
       }
     }
+  }
+}
+
+bool IsFileBelow(const fs::path& file, const fs::path& folder) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code) || !fs::is_regular_file(file, code)) {
+    return false;
+  }
+  const fs::path below = fs::canonical(file, code).lexically_relative(fs::canonical(folder, code));
+  return !code && !below.empty() && *below.begin() != "..";
+}
+
+bool HasMark(const fs::path& file, std::string_view mark) {
+  constexpr std::size_t kHead = 200;
+  std::string head(kHead, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  return head.find(mark) != std::string::npos;
+}
+
+void CheckReplacesOnly(const fs::path& output, std::string_view mark, const std::string& kind) {
+  std::error_code code;
+  if (fs::is_regular_file(output, code) && !fs::is_empty(output, code) && !HasMark(output, mark)) {
+    throw Error(output.string() + ": cannot be written: a file is there that is not " + kind +
+                ", as the output is");
   }
 }
 

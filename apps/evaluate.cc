@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "commands.h"
@@ -142,16 +143,22 @@ struct Inputs {
   std::vector<std::string> warnings;
 };
 
-vo::TrajectoryFile ReadOne(const EvaluateArguments& arguments, const fs::path& path, bool by_row,
-                           std::vector<std::string>& warnings) {
-  vo::TrajectoryFile file =
-      by_row ? vo::ReadTrajectoryFile(path)
-             : vo::ReadTrajectoryWithTimes(
-                   path, arguments.times.empty() ? std::nullopt : std::optional(arguments.times));
-  for (const std::string& note : file.notes) {
-    warnings.push_back(path.string() + ": " + note);
+// Two KITTI files without times are of the same frames, by their numbers or row by row.
+void CheckRowsBelongTogether(const EvaluateArguments& arguments, const vo::TrajectoryFile& estimate,
+                             const vo::TrajectoryFile& groundtruth) {
+  const std::string first = arguments.estimate.string();
+  const std::string second = arguments.groundtruth.string();
+  if (estimate.is_numbered != groundtruth.is_numbered) {
+    throw Error((estimate.is_numbered ? first : second) + " has the numbers of its frames and " +
+                (estimate.is_numbered ? second : first) +
+                " has none: which of its rows belong to them is not known; name the times of both "
+                "with --times, or number both");
   }
-  return file;
+  if (!estimate.is_numbered && estimate.rows != groundtruth.rows) {
+    throw Error(first + " has " + std::to_string(estimate.rows) + " poses and " + second + " " +
+                std::to_string(groundtruth.rows) +
+                ": KITTI files without times belong together row by row");
+  }
 }
 
 // Where one file counts, say, milliseconds and nothing in it tells so.
@@ -168,22 +175,26 @@ void BringTimesTogether(const EvaluateArguments& arguments, Inputs& inputs) {
                             ": they are in another unit than those of the other file");
 }
 
+// Each is read once: it may be a pipe.
 Inputs ReadInputs(const EvaluateArguments& arguments) {
-  // Two KITTI files without times are of the same frames, row by row.
-  const auto is_kitti = [](const fs::path& path) {
-    return vo::RecognizeTrajectoryFormat(path) == vo::TrajectoryFormat::kKitti;
-  };
-  const bool by_row =
-      arguments.times.empty() && is_kitti(arguments.estimate) && is_kitti(arguments.groundtruth);
+  vo::TrajectoryFile estimate = vo::ReadTrajectoryFile(arguments.estimate);
+  vo::TrajectoryFile groundtruth = vo::ReadTrajectoryFile(arguments.groundtruth);
+  const std::optional<fs::path> times =
+      arguments.times.empty() ? std::nullopt : std::optional(arguments.times);
+  const bool have_times = times || estimate.format != vo::TrajectoryFormat::kKitti ||
+                          groundtruth.format != vo::TrajectoryFormat::kKitti;
+  if (!have_times) {
+    CheckRowsBelongTogether(arguments, estimate, groundtruth);
+  }
   Inputs inputs;
-  vo::TrajectoryFile estimate = ReadOne(arguments, arguments.estimate, by_row, inputs.warnings);
-  vo::TrajectoryFile groundtruth =
-      ReadOne(arguments, arguments.groundtruth, by_row, inputs.warnings);
-  if (by_row && estimate.rows != groundtruth.rows) {
-    throw Error(arguments.estimate.string() + " has " + std::to_string(estimate.rows) +
-                " poses and " + arguments.groundtruth.string() + " " +
-                std::to_string(groundtruth.rows) +
-                ": KITTI files without times belong together row by row");
+  for (const auto& [path, file] : {std::pair{&arguments.estimate, &estimate},
+                                   std::pair{&arguments.groundtruth, &groundtruth}}) {
+    if (have_times) {
+      vo::AddRowTimes(*path, times, *file);
+    }
+    for (const std::string& note : file->notes) {
+      inputs.warnings.push_back(path->string() + ": " + note);
+    }
   }
   inputs.estimate = std::move(estimate.poses);
   inputs.groundtruth = std::move(groundtruth.poses);
@@ -195,6 +206,8 @@ void Evaluate(const EvaluateArguments& arguments) {
   if (!arguments.plot.empty()) {
     CheckOutputsAreNoInputs({arguments.plot}, {arguments.estimate, arguments.groundtruth,
                                                arguments.times, arguments.segments});
+    // The segments and times that are found by themselves are none either.
+    CheckReplacesOnly(arguments.plot, "<svg ", "an SVG file");
     nn::CheckPlaceForFile(arguments.plot);
   }
   Inputs inputs = ReadInputs(arguments);

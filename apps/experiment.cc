@@ -50,6 +50,9 @@ void WriteText(const fs::path& path, const std::string& text) {
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << text; });
 }
 
+// What an experiment puts into its folder, beside the runs.
+constexpr const char* kTables[] = {"table.md", "table.csv", "table.json", "index.html"};
+
 void Experiment(const ExperimentArguments& arguments) {
   const ExperimentFile file = ReadExperimentFile(arguments.file);
   const std::vector<PlannedRun> runs = PlanExperiment(file, arguments.data, arguments.skip_missing);
@@ -62,6 +65,9 @@ void Experiment(const ExperimentArguments& arguments) {
   }
   const Interruption interruption;
   vo::MakeOutputDirectory(arguments.output);
+  for (const char* const name : kTables) {
+    nn::CheckPlaceForFile(arguments.output / name);
+  }
   const int threads =
       arguments.threads > 0 ? arguments.threads : nn::ThreadPool(arguments.threads).size();
   const std::vector<RunOutcome> outcomes =

@@ -64,7 +64,9 @@ void Report(const Remarks& remarks) {
 
 void Extract(const ExtractArguments& arguments) {
   const Interruption interruption;
-  CheckOutputsAreNoInputs({arguments.output}, {arguments.images, arguments.networks.superpoint});
+  CheckOutputsAreNoInputs({arguments.output}, {arguments.images, arguments.networks.weights,
+                                               arguments.networks.superpoint});
+  CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);

@@ -57,8 +57,9 @@ int CountMatches(const nn::Matches& matches) {
 void MatchFile(const MatchArguments& arguments) {
   const Interruption interruption;
   CheckOutputsAreNoInputs({arguments.output},
-                          {arguments.inputs[0], arguments.pairs, arguments.networks.superpoint,
-                           arguments.networks.superglue});
+                          {arguments.inputs[0], arguments.pairs, arguments.networks.weights,
+                           arguments.networks.superpoint, arguments.networks.superglue});
+  CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
   const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;

@@ -1,7 +1,6 @@
 #include "pair_list.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <string_view>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/whole_file.h"
 
 namespace gluevo::apps {
 namespace {
@@ -22,11 +22,7 @@ struct Line {
 };
 
 std::vector<Line> ReadLines(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || fs::is_directory(path)) {
-    throw Error(path.string() + ": cannot be read (--pairs)");
-  }
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  std::string text = vo::ReadWholeFile(path);
   if (text.find('\0') != std::string::npos) {
     const bool is_utf16 =
         text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF") || text.find('\0') < 2;

@@ -12,6 +12,7 @@
 
 #include "commands.h"
 #include "distinct_outputs.h"
+#include "earlier_results.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
@@ -87,10 +88,11 @@ void CheckOutputs(const RunArguments& arguments) {
   const vo::NetworkFiles& networks = arguments.config.frontend.networks;
   for (const fs::path& input :
        {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        networks.superpoint, networks.superglue}) {
+        networks.weights, networks.superpoint, networks.superglue}) {
     inputs.push_back(input);
   }
   CheckOutputsAreNoInputs(outputs, inputs);
+  CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }
 
 std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
@@ -182,19 +184,24 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   cv::setNumThreads(pool.size());
   Setup setup = SetUp(arguments, command, given, pool);
   const vo::OutputDirectory output(arguments.places.folder);
-  CheckPlaces(arguments.places);
   std::optional<vo::OutputDirectory> map_output;
   if (!arguments.places.map.empty()) {
     map_output.emplace(arguments.places.map);
   }
+  CheckPlaces(arguments.places);
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
   RunRecords records = MakeRecords(arguments, command, setup);
 
   const EarlyEnd end =
       ProcessFrames({setup.dataset, setup.reads_images, arguments.is_strict}, odometry, records);
 
+  const auto throw_where_interrupted = [&] {
+    if (end.signal != 0) {
+      throw Interrupted{end.signal};
+    }
+  };
   if (records.trajectory.empty()) {
-    Interruption::Check();
+    throw_where_interrupted();
     throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
   RunMetrics::Context context = {.method = setup.method,
@@ -217,7 +224,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
     throw Error(first);
   }
-  Interruption::Check();
+  throw_where_interrupted();
   records.metrics.CheckThatSomethingWasTracked(context);
 }
 

@@ -1,7 +1,6 @@
 #include "run_metrics.h"
 
 #include <sys/resource.h>
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +37,15 @@ double PeakMemoryMb() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+void AddOptions(const RunMetrics::Context& context, Json& json) {
+  json["options"] = Json::object();
+  json["option_origins"] = Json::object();
+  for (const auto& [option, values] : context.options) {
+    json["options"][option] = values.size() == 1 ? Json(values[0]) : Json(values);
+    json["option_origins"][option] = context.origins.origins.at(option);
+  }
 }
 
 }  // namespace
@@ -99,7 +107,10 @@ RunReport RunMetrics::Report(const Context& context) const {
   report.duration_s = Duration();
   report.stages_ms = stages_ms_;
   report.peak_memory_mb = PeakMemoryMb();
-  report.options.assign(context.options.begin(), context.options.end());
+  report.options.reserve(context.options.size());
+  for (const auto& [option, values] : context.options) {
+    report.options.emplace_back(option, ValueText(values));
+  }
   for (const auto& [network, record] :
        {std::pair{"SuperPoint", context.superpoint}, std::pair{"SuperGlue", context.superglue}}) {
     if (!record.source.empty()) {
@@ -174,11 +185,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["method"] = context.method;
   json["preset"] = context.origins.preset;
   json["preset_from"] = context.origins.preset_from;
-  json["options"] = context.options;
-  json["option_origins"] = Json::object();
-  for (const auto& [option, value] : context.options) {
-    json["option_origins"][option] = context.origins.origins.at(option);
-  }
+  AddOptions(context, json);
   if (context.evaluation) {
     AddEvaluation(*context.evaluation, json);
   }
@@ -221,18 +228,6 @@ std::string RunMetrics::Summary(const Context& context) const {
          << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
   }
   return text.str();
-}
-
-std::map<std::string, std::string> OptionValues(const CLI::App& command) {
-  std::map<std::string, std::string> values;
-  for (const CLI::Option* const option : command.get_options()) {
-    const std::string name = option->get_single_name();
-    if (name == "help" || (option->count() == 0 && option->get_default_str().empty())) {
-      continue;
-    }
-    values[name] = option->count() > 0 ? option->as<std::string>() : option->get_default_str();
-  }
-  return values;
 }
 
 }  // namespace gluevo::apps

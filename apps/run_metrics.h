@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "command_line.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/pipeline/networks.h"
 #include "gluevo/vo/pipeline/odometry.h"
+#include "options/option_values.h"
 #include "options/preset_options.h"
 #include "report/run_report.h"
 
@@ -26,7 +26,7 @@ class RunMetrics {
     int threads = 1;
     vo::WeightsRecord superpoint;  ///< Empty where the method has none.
     vo::WeightsRecord superglue;
-    std::map<std::string, std::string> options;
+    OptionValueMap options;
     OptionOrigins origins;
     std::vector<std::string> dataset_warnings;  ///< vo::Dataset's.
     int images_left_out = 0;
@@ -85,8 +85,5 @@ class RunMetrics {
   std::vector<vo::FrameResult> frames_;  // Their poses too: 200 bytes a frame.
   std::map<std::string, std::vector<double>> stages_ms_;
 };
-
-/// The value of every option of a command, defaults too.
-std::map<std::string, std::string> OptionValues(const CLI::App& command);
 
 }  // namespace gluevo::apps

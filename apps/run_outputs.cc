@@ -2,8 +2,10 @@
 
 #include <exception>
 #include <map>
+#include <system_error>
 #include <utility>
 
+#include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
@@ -67,10 +69,24 @@ std::vector<fs::path> OutputFiles(const RunPlaces& places) {
           places.folder / "metrics.json", places.folder / "report.html"};
 }
 
-// The names of what a run puts into its folder may be taken by folders.
+std::vector<fs::path> MapFiles(const RunPlaces& places) {
+  if (places.map.empty()) {
+    return {};
+  }
+  return {places.map / "points.ply", places.map / "keyframes.ply"};
+}
+
+// The names of what a run puts into its folders may be taken.
 void CheckPlaces(const RunPlaces& places) {
-  for (const fs::path& file : OutputFiles(places)) {
-    nn::CheckPlaceForFile(file);
+  for (const auto& files : {OutputFiles(places), MapFiles(places)}) {
+    for (const fs::path& file : files) {
+      nn::CheckPlaceForFile(file);
+    }
+  }
+  std::error_code code;
+  const fs::path models = places.map / "colmap";
+  if (!places.map.empty() && fs::exists(models, code) && !fs::is_directory(models, code)) {
+    throw Error(models.string() + ": is a file; expected a folder for output");
   }
 }
 

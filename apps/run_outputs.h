@@ -20,7 +20,11 @@ struct RunPlaces {
 /// What a run puts into its folder, the map apart.
 std::vector<std::filesystem::path> OutputFiles(const RunPlaces& places);
 
-/// Throws Error where a file in the folder, which must be there, could not be put in its place.
+/// The map's files that have one name each, its models for COLMAP apart; none without a map.
+std::vector<std::filesystem::path> MapFiles(const RunPlaces& places);
+
+/// Throws Error where a file in the folder or the map's, which must be there, could not be put in
+/// its place.
 void CheckPlaces(const RunPlaces& places);
 
 /// Writes all that the run makes. Where one file cannot be written the others are; the first

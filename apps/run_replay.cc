@@ -6,7 +6,7 @@
 #include <set>
 
 #include "gluevo/nn/error.h"
-#include "run_metrics.h"
+#include "options/option_values.h"
 
 namespace gluevo::apps {
 namespace {
@@ -20,7 +20,10 @@ std::string ValueOf(const std::map<std::string, std::string>& values, const std:
 
 vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
                             const vo::Networks& networks) {
-  vo::RunRecord record{method, OptionValues(command), {}};
+  vo::RunRecord record{method, {}, {}};
+  for (const auto& [option, values] : OptionValues(command)) {
+    record.options[option] = ValueText(values);
+  }
   for (const auto& [network, weights] : {std::pair{"superpoint", networks.superpoint_record},
                                          std::pair{"superglue", networks.superglue_record}}) {
     if (!weights.source.empty()) {

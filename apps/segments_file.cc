@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/whole_file.h"
 
 namespace gluevo::apps {
 namespace {
@@ -19,13 +19,10 @@ struct Segment {
 };
 
 std::vector<Segment> ParseSegments(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) {
-    throw Error(file.string() + ": cannot be read");
-  }
+  const std::string text = vo::ReadWholeFile(file);
   std::vector<Segment> segments;
   try {
-    const nlohmann::json metrics = nlohmann::json::parse(stream);
+    const nlohmann::json metrics = nlohmann::json::parse(text);
     for (const nlohmann::json& entry : metrics.at("segments")) {
       segments.push_back({entry.at("first_frame").get<std::size_t>(),
                           entry.at("last_frame").get<std::size_t>(),

@@ -27,16 +27,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Status = RunOutcome::Status;
 
-// Runs of version 0.1 are not made again: they called correct motions "right_motions".
-void RenameOldKeys(Json& metrics) {
-  for (const char* const group : {"", "/within_segments"}) {
-    const Json::json_pointer before(std::string(group) + "/right_motions");
-    if (metrics.contains(before)) {
-      metrics[Json::json_pointer(std::string(group) + "/correct_motions")] = metrics[before];
-    }
-  }
-}
-
 std::vector<std::string> Arguments(const PlannedRun& run, const fs::path& folder, int threads) {
   std::vector<std::string> arguments = {"run", run.dataset.string(), "--output=" + folder.string(),
                                         "--threads=" + std::to_string(threads),
@@ -160,6 +150,10 @@ class Scheduler {
       teller_.RunEnded(outcome.run, "its result is there");
       return;
     }
+    // The checksums took their time.
+    if (Interruption::signal() != 0) {
+      return;
+    }
     RemoveResults(folder);
     vo::MakeOutputDirectory(folder);
     const int threads = free_shares_.back();
@@ -231,7 +225,6 @@ class Scheduler {
   bool ReadMetrics(RunOutcome& outcome) const {
     std::ifstream stream(Folder(outcome) / "metrics.json");
     outcome.metrics = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
-    RenameOldKeys(outcome.metrics);
     if (outcome.metrics.is_object()) {
       return true;
     }

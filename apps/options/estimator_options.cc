@@ -12,6 +12,9 @@ void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
                 "A frame is a key frame when its tracks have moved so far since the last one, "
                 "pixels at a focal length of 460");
   estimator.Add("--iterations", window.max_iterations, "Of each bundle adjustment, at most");
+  estimator
+      .Add("--solver", window.solver, "Of the bundle adjustment: gluevo, or ceres to compare with")
+      ->check(CLI::IsMember({"gluevo", "ceres"}));
   estimator.Add("--marginalize", window.marginalize,
                 "Whether frames that leave the window leave what they knew as a prior");
   estimator

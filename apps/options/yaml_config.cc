@@ -4,10 +4,30 @@
 #include <CLI/CLI.hpp>
 
 #include <string>
+#include <vector>
 
 #include "gluevo/nn/error.h"
 
 namespace gluevo::apps {
+namespace {
+
+// A value or a list of values; none of anything else.
+std::vector<std::string> Values(const YAML::Node& node) {
+  if (node.IsScalar()) {
+    return {node.as<std::string>()};
+  }
+  std::vector<std::string> values;
+  values.reserve(node.size());
+  for (const YAML::Node& item : node) {
+    if (!node.IsSequence() || !item.IsScalar()) {
+      return {};
+    }
+    values.push_back(item.as<std::string>());
+  }
+  return values;
+}
+
+}  // namespace
 
 void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
   const auto at_line = [&](int line) { return file.string() + ":" + std::to_string(line + 1); };
@@ -30,14 +50,17 @@ void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
       throw Error(where + ": unknown option " + Quoted(name) +
                   ", expected a long option of 'gluevo " + command.get_name() + "'");
     }
-    if (!entry.second.IsScalar()) {
-      throw Error(where + ": option " + name + " takes one value");
+    const std::vector<std::string> values = Values(entry.second);
+    const bool takes_several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+    if (values.empty() || (entry.second.IsSequence() && !takes_several)) {
+      throw Error(where + ": option " + name + " takes " +
+                  (takes_several ? "a value or a list of values" : "one value"));
     }
     if (option->count() > 0) {
       continue;
     }
     try {
-      option->add_result(entry.second.as<std::string>());
+      option->add_result(values);
       option->run_callback();
     } catch (const CLI::Error& error) {
       throw Error(where + ": " + error.what());

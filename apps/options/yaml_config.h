@@ -7,8 +7,9 @@
 namespace gluevo::apps {
 
 /// Takes options from a YAML file: a map of the command's long option names (without dashes) to
-/// values. What the command line gives goes before. Throws Error naming file and line for unknown
-/// names and values that the option refuses.
+/// values, or lists of values for options that may be given more than once. What the command line
+/// gives goes before. Throws Error naming file and line for unknown names and values that the
+/// option refuses.
 void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file);
 
 }  // namespace gluevo::apps

@@ -36,6 +36,8 @@ class Child {
   Child& operator=(const Child&) = delete;
   ~Child() { Wait(); }
 
+  /// 0 once it was waited for.
+  pid_t pid() const { return pid_; }
   void Send(int signal) const {
     if (pid_ > 0) {
       kill(pid_, signal);

@@ -78,5 +78,75 @@ TEST_F(DistinctOutputsTest, OfRuns) {
   ExpectRefused("run " + Path("data") + " -o " + Path("out") + " --groundtruth " + truth, truth);
 }
 
+// The folders that are inputs hold more files than the command line names.
+class FilesOfInputsTest : public DistinctOutputsTest {
+ protected:
+  void ExpectKept(const std::string& arguments, const std::string& file,
+                  const std::string& expected) const {
+    SCOPED_TRACE(arguments);
+    const std::string before = Contents(file);
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find(file + ": cannot be written: " + expected), std::string::npos)
+        << outcome.error;
+    EXPECT_EQ(Contents(file), before);
+  }
+  std::string Data() const {
+    const std::string data = Path("flight");
+    EXPECT_EQ(
+        Run("simulate -o " + data + " --duration 0.3 --rate 10 --width 160 --height 120").exit_code,
+        0);
+    return data;
+  }
+};
+
+TEST_F(FilesOfInputsTest, AreNotReplacedByARun) {
+  const std::string data = Data();
+  const std::string run = "run " + data + " --method klt --threads 1 -o ";
+  for (const std::string name : {"mav0/cam0/data.csv", "mav0/cam1/sensor.yaml"}) {
+    const std::string file = data + "/" + name;
+    ExpectKept(run + Path("out") + " --save-matches " + file, file,
+               "a file is there that is no file of --save-matches");
+  }
+  const std::string poses = Write("flight/trajectory.tum", "1 0 0 0 0 0 0 1\n");
+  ExpectKept(run + data, poses, "is a file of the data set");
+  fs::create_directories(Path("flight/colmap/0"));
+  const std::string model = Write("flight/colmap/0/cameras.txt", "# Camera list\n");
+  const std::string points = Write("flight/points.ply", "ply\nformat ascii 1.0\n");
+  ExpectKept(run + Path("out") + " --map " + data, points, "is a file of the data set");
+  fs::remove(points);
+  ExpectKept(run + Path("out") + " --map " + data, model, "is a file of the data set");
+  EXPECT_FALSE(fs::exists(Path("out")));
+}
+
+TEST_F(FilesOfInputsTest, ButResultsAmongThemAre) {
+  const std::string data = Data();
+  const std::string run = "run " + data + " --method klt --threads 1 -o " + data + "/out --map " +
+                          data + "/map --save-matches " + data + "/m.h5";
+  for (int i = 0; i < 2; ++i) {
+    const Outcome outcome = Run(run);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  }
+}
+
+TEST_F(FilesOfInputsTest, AreNotReplacedByOtherCommands) {
+  fs::create_directories(Path("weights"));
+  const std::string weights = Write("weights/superpoint.safetensors", "weights");
+  const std::string option = " --weights " + Path("weights") + " ";
+  fs::create_directories(Path("images"));
+  ExpectRefused("extract " + Path("images") + option + "-o " + weights, weights);
+  ExpectRefused(
+      "match " + Write("f.h5", "") + option + "--pairs " + Write("p.txt", "") + " -o " + weights,
+      weights);
+  ExpectRefused("bench" + option + "--output " + weights, weights);
+  const std::string notes = Write("notes.txt", "notes");
+  ExpectKept("extract " + Path("images") + " -o " + notes, notes,
+             "a file is there that is not an HDF5 file");
+  const std::string metrics = Write("metrics.json", "{}");
+  const std::string trajectory = Write("e.tum", "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n");
+  ExpectKept("evaluate " + trajectory + " " + trajectory + " --plot " + metrics, metrics,
+             "a file is there that is not an SVG file");
+}
+
 }  // namespace
 }  // namespace gluevo::apps

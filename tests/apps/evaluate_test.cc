@@ -1,6 +1,7 @@
 // gluevo evaluate as a user runs it: what it prints, where, and how it exits.
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
 #include <fstream>
@@ -216,6 +217,41 @@ TEST_F(EvaluateTest, TakesKittiFiles) {
       Run("evaluate " + Write("s.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n") + " " + kitti);
   EXPECT_EQ(shorter.exit_code, 1);
   EXPECT_NE(shorter.error.find("has 1 poses"), std::string::npos) << shorter.error;
+}
+
+TEST_F(EvaluateTest, ReadsPipesOnce) {
+  const std::string truth = Write("g.tum", kTruthTum);
+  const std::string estimate = Write("e.tum", kEstimateTum);
+  const std::string pipe = Path("pipe");
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  // A second look at the pipe would find nobody who writes, and wait for ever.
+  const Outcome outcome =
+      RunProgram("cat " + estimate + " >" + pipe + " & timeout 60 " + std::string(GLUEVO_PROGRAM),
+                 "evaluate " + pipe + " " + truth + " --json");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["pairs"], 4);
+}
+
+TEST_F(EvaluateTest, NumbersOfFramesGoBeforeRows) {
+  const std::string rows[] = {"1 0 0 1 0 1 0 1 0 0 1 0\n", "1 0 0 1 0 1 0 -1 0 0 1 0\n",
+                              "1 0 0 -1 0 1 0 -1 0 0 1 0\n", "1 0 0 -1 0 1 0 1 0 0 1 0\n"};
+  const std::string all =
+      Write("all.txt", "5 " + rows[0] + "6 " + rows[1] + "7 " + rows[2] + "8 " + rows[3]);
+  const std::string fewer = Write("fewer.txt", "6 " + rows[1] + "7 " + rows[2] + "8 " + rows[3]);
+  const Outcome outcome = Run("evaluate " + fewer + " " + all + " --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["pairs"], 3);
+  EXPECT_NEAR(nlohmann::json::parse(outcome.out)["ate_se3_m"], 0.0, 1e-12);
+
+  // As many rows, but whether they are of the same frames nothing tells.
+  const std::string plain = Write("plain.txt", kTruthKitti);
+  for (const std::string& files : {all + " " + plain, plain + " " + all}) {
+    const Outcome mixed = Run("evaluate " + files);
+    EXPECT_EQ(mixed.exit_code, 1);
+    EXPECT_NE(mixed.error.find("all.txt has the numbers of its frames"), std::string::npos)
+        << mixed.error;
+    EXPECT_NE(mixed.error.find("plain.txt has none"), std::string::npos) << mixed.error;
+  }
 }
 
 TEST_F(EvaluateTest, BadInputIsOneLineAndExitOne) {

@@ -1,6 +1,9 @@
 // gluevo experiment as a user runs it, with the klt method on a small simulated flight.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -8,8 +11,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "apps/child.h"
 #include "apps/command_test.h"
 
 namespace gluevo::apps {
@@ -187,6 +192,18 @@ TEST_F(ExperimentTest, RunsAgainWhereTheDataHaveChanged) {
   EXPECT_EQ(Statuses(), std::vector<std::string>{"done"});
 }
 
+TEST_F(ExperimentTest, FindsATakenNameBeforeTheRuns) {
+  for (const std::string name : {"table.md", "table.csv", "table.json", "index.html"}) {
+    fs::create_directories(Path("out/" + name));
+    const Outcome outcome = Experiment(kTwoStrides);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find(name + ": cannot be written: is a folder"), std::string::npos)
+        << outcome.error;
+    EXPECT_FALSE(fs::exists(Path("out/runs")));
+    fs::remove(Path("out/" + name));
+  }
+}
+
 TEST_F(ExperimentTest, AFailedRunIsARowThatSaysWhy) {
   const std::string yaml =
       "data: [{path: flight, count: 4}]\n"
@@ -234,6 +251,43 @@ TEST_F(ExperimentTest, ARunThatFailsLateLeavesNoOlderResult) {
   EXPECT_EQ(metrics["frames"], 5);
   EXPECT_TRUE(metrics.contains("failure"));
   EXPECT_FALSE(fs::exists(Path("out/runs/flight/klt/stamp.json")));
+}
+
+// A terminal tells its whole group: a run that hears of Ctrl-C there and again from the experiment
+// would take it for two wishes and give up what it has.
+TEST_F(ExperimentTest, RunsAreInGroupsOfTheirOwn) {
+  const std::string list = Write("list.yaml", "data: [{path: flight}]\nmethods: [superglue]\n");
+  Child experiment({"experiment", list, "-o", Path("out"), "--data", data_->path().string()},
+                   Path("log"));
+  const fs::path log = Path("out/runs/flight/superglue/run.log");
+  while (Contents(log).find("frame 1/") == std::string::npos) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  const std::string process = std::to_string(experiment.pid());
+  const pid_t run = std::stoi(Contents("/proc/" + process + "/task/" + process + "/children"));
+  EXPECT_EQ(getpgid(run), run);
+  experiment.Send(SIGINT);
+  EXPECT_EQ(experiment.ExitCode(), 128 + SIGINT) << Contents(Path("log"));
+  EXPECT_EQ(nlohmann::json::parse(Contents(log.parent_path() / "metrics.json"))["interrupted"],
+            true);
+}
+
+TEST_F(ExperimentTest, StartsNoRunAfterASignal) {
+  fs::copy(data_->path() / "flight", Path("flight"), fs::copy_options::recursive);
+  const std::string truth = Path("flight/mav0/state_groundtruth_estimate0/data.csv");
+  fs::remove(truth);
+  ASSERT_EQ(mkfifo(truth.c_str(), 0600), 0);
+  const std::string list = Write("list.yaml", "data: [{path: flight}]\nmethods: [klt]\n");
+  Child experiment({"experiment", list, "-o", Path("out"), "--data", Path("")}, Path("log"));
+  // It looks at the data now, and waits for what this end of the pipe never gives.
+  int pipe = -1;
+  while ((pipe = open(truth.c_str(), O_WRONLY | O_NONBLOCK)) < 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  experiment.Send(SIGINT);
+  close(pipe);
+  EXPECT_EQ(experiment.ExitCode(), 128 + SIGINT) << Contents(Path("log"));
+  EXPECT_FALSE(fs::exists(Path("out/runs")));
 }
 
 TEST_F(ExperimentTest, MoreSpecificOptionsGoFirst) {

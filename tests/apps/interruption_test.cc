@@ -1,6 +1,9 @@
 // What a run leaves that ends early: by a signal, an image that cannot be read, a full disk.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -99,6 +102,25 @@ TEST_F(InterruptionTest, ARunThatIsInterruptedKeepsWhatItHas) {
   }
 }
 
+TEST_F(InterruptionTest, ARunThatHasAllItsFramesIsNotInterrupted) {
+  const fs::path flight = Flight();
+  const std::string truth = (flight / "mav0/state_groundtruth_estimate0/data.csv").string();
+  fs::remove(truth);
+  ASSERT_EQ(mkfifo(truth.c_str(), 0600), 0);
+  Child child({"run", flight.string(), "-o", Path("out"), "--method", "klt", "--count", "1"},
+              Path("log"));
+  // It waits for ground truth that this end of the pipe never gives, and then makes its one frame.
+  int pipe = -1;
+  while ((pipe = open(truth.c_str(), O_WRONLY | O_NONBLOCK)) < 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  child.Send(SIGINT);
+  close(pipe);
+  EXPECT_EQ(child.ExitCode(), 0) << Contents(Path("log"));
+  EXPECT_EQ(Metrics()["interrupted"], false);
+  EXPECT_EQ(Metrics()["frames"], 1);
+}
+
 TEST(InterruptionDeathTest, ASecondSignalEndsAtOnce) {
   ::testing::FLAGS_gtest_death_test_style = "threadsafe";
   EXPECT_EXIT(
@@ -145,6 +167,19 @@ TEST_F(InterruptionTest, AnImageThatCannotBeReadIsLeftOut) {
   const std::string poses = Poses();
   EXPECT_EQ(Klt(flight, "--replay " + Path("m.h5")).exit_code, 0);
   EXPECT_EQ(Poses(), poses);
+}
+
+TEST_F(InterruptionTest, AnImageWhoseBytesCannotBeReadIsLeftOut) {
+  const fs::path flight = Flight();
+  const fs::path image = Images(flight, 0)[7];
+  fs::remove(image);
+  fs::create_symlink("/proc/self/mem", image);  // Reading fails, as on a bad sector.
+  const Outcome outcome = Klt(flight);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(Metrics()["frames"], 19);
+  EXPECT_NE(outcome.error.find("frame left out: " + image.string() + ": cannot be read"),
+            std::string::npos)
+      << outcome.error;
 }
 
 TEST_F(InterruptionTest, StrictEndsThereAndKeepsWhatCameBefore) {

@@ -131,6 +131,32 @@ TEST_F(RunTest, SaysWhereEachOptionsValueComesFrom) {
   EXPECT_EQ(metrics["option_origins"]["max-keypoints"], "method");
 }
 
+TEST_F(RunTest, AnOptionGivenTwiceIsAList) {
+  const fs::path data = Path("flight");
+  ASSERT_EQ(
+      Run("simulate -o " + data.string() + " --duration 0.3 --rate 10 --width 160 --height 120")
+          .exit_code,
+      0);
+  const std::vector<std::string> files = {(data / "mav0/cam0/sensor.yaml").string(),
+                                          (data / "mav0/cam1/sensor.yaml").string()};
+  const std::string config = Write(
+      "config.yaml", "method: klt\ncalibration:\n  - " + files[0] + "\n  - " + files[1] + "\n");
+  const std::string run = "run " + data.string() + " --threads 1 -o " + Path("out") + " ";
+  for (const std::string& options :
+       {"--method klt --calibration " + files[0] + " --calibration " + files[1],
+        "--config " + config}) {
+    const Outcome outcome = Run(run + options + " --save-matches " + Path("m.h5"));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    const auto metrics = nlohmann::json::parse(Contents(Path("out/metrics.json")));
+    EXPECT_EQ(metrics["options"]["calibration"], files);
+    const std::string list = nlohmann::json(files).dump();
+    EXPECT_NE(Contents(Path("m.h5")).find(list), std::string::npos);
+  }
+  fs::remove_all(Path("out"));
+  ExpectRefused(data.string() + " --config " + Write("list.yaml", "method: [klt]\n"),
+                "list.yaml:1: option method takes one value");
+}
+
 TEST_F(RunTest, SaysHowManyImagesAreLeftOut) {
   const fs::path root = MakeKitti();
   fs::remove(ImagePath(root, 1, 2));
@@ -162,6 +188,21 @@ TEST_F(RunTest, RefusesABadOutputBeforeTheFirstFrame) {
       Run("run " + root.string() + " --method klt -o " + Path("out") + " --map " + file);
   EXPECT_EQ(map.exit_code, 1);
   EXPECT_NE(map.error.find(file + ": is a file"), std::string::npos) << map.error;
+  for (const std::string taken : {"points.ply", "keyframes.ply"}) {
+    const std::string folder = Path("map_of_" + taken);
+    fs::create_directories(folder + "/" + taken);
+    const Outcome outcome =
+        Run("run " + root.string() + " --method klt -o " + Path("out") + " --map " + folder);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.error.find(taken + ": cannot be written: is a folder"), std::string::npos)
+        << outcome.error;
+  }
+  fs::create_directories(Path("models"));
+  const std::string models = Write("models/colmap", "");
+  EXPECT_NE(
+      Run("run " + root.string() + " --method klt -o " + Path("out") + " --map " + Path("models"))
+          .error.find(models + ": is a file"),
+      std::string::npos);
   EXPECT_FALSE(fs::exists(Path("out")));
 }
 

@@ -33,9 +33,11 @@ if setarch "$(uname -m)" -R true 2>/dev/null; then
   fixed_addresses=(setarch "$(uname -m)" -R)
 fi
 suppressions=$PWD/tests/gates/suppressions
-export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1
-export UBSAN_OPTIONS=print_stacktrace=1
-export TSAN_OPTIONS=suppressions=$suppressions/thread.txt:second_deadlock_stack=1
+# Suppressions go by the names of functions, which only the symbolizer tells.
+symbolizer=external_symbolizer_path=$(command -v llvm-symbolizer-14)
+export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1:$symbolizer
+export UBSAN_OPTIONS=print_stacktrace=1:$symbolizer
+export TSAN_OPTIONS=suppressions=$suppressions/thread.txt:second_deadlock_stack=1:$symbolizer
 "${fixed_addresses[@]}" cmake --build --preset "$preset" --target "${!filters[@]}"
 
 # A list of tests with these programs alone, whatever else was built before.

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "count_allocations.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
 #include "nn/allocation_counter.h"

@@ -65,6 +65,6 @@ struct LooseImages {
 std::optional<LooseImages> FindLooseImages(const std::filesystem::path& root);
 
 /// Gray, 8 bits; empty where the file cannot be decoded.
-cv::Mat ReadLooseImage(const std::filesystem::path& file);
+cv::Mat ReadLooseImage(const std::filesystem::path& file, int gray_bits);
 
 }  // namespace gluevo::vo

@@ -5,6 +5,7 @@
 
 #include "checks.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -81,9 +82,10 @@ Samples ReadSamples(const Dataset& dataset, const DoctorOptions& options, Findin
       why = unreadable++ == 0 ? std::string(": ") + error.what() : why;
       continue;
     }
-    samples.followers.push_back(index + 1 < dataset.entries.size()
-                                    ? ReadLooseImage(dataset.entries[index + 1].images[0])
-                                    : cv::Mat());
+    samples.followers.push_back(
+        index + 1 < dataset.entries.size()
+            ? ReadLooseImage(dataset.entries[index + 1].images[0], dataset.gray_bits)
+            : cv::Mat());
   }
   findings.push_back({unreadable == 0 ? Verdict::kGood : Verdict::kWrong, "images",
                       std::to_string(indices.size() - unreadable) + " of " +
@@ -103,13 +105,14 @@ void ExamineLoose(const fs::path& root, const DoctorOptions& options, Findings& 
   findings.push_back({left == right ? Verdict::kGood : Verdict::kSuspicious, "image files",
                       std::to_string(left) + " left, " + std::to_string(right) + " right",
                       "as many on both sides"});
+  const std::array<int, 2> gray_bits = {GrayBits(images->files[0]), GrayBits(images->files[1])};
   Samples samples;
   std::string sizes;
   for (const std::size_t index :
        Sample(std::min(left, right), static_cast<std::size_t>(options.pairs))) {
     StereoFrame pair;
     for (std::size_t side = 0; side < 2; ++side) {
-      pair.images[side] = ReadLooseImage(images->files[side][index]);
+      pair.images[side] = ReadLooseImage(images->files[side][index], gray_bits[side]);
     }
     if (pair.images[0].empty() || pair.images[1].empty()) {
       const std::size_t side = pair.images[0].empty() ? 0 : 1;

@@ -1,6 +1,5 @@
 #include "gluevo/vo/estimator/pose_prior.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <utility>
 
@@ -41,13 +40,8 @@ Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
   return delta;
 }
 
-Marginalizer::Marginalizer(std::vector<int64_t> frame_ids, std::vector<Rigid3> linearization_points,
-                           const Eigen::Quaterniond& body_from_right_at_linearization)
-    : state_{std::move(frame_ids),
-             std::move(linearization_points),
-             body_from_right_at_linearization,
-             {},
-             {}},
+Marginalizer::Marginalizer(PosePrior linearization)
+    : state_(std::move(linearization)),
       hessian_(Eigen::MatrixXd::Zero(kPose * state_.frame_ids.size() + kTurn,
                                      kPose * state_.frame_ids.size() + kTurn)),
       gradient_(Eigen::VectorXd::Zero(hessian_.rows())) {}
@@ -63,24 +57,17 @@ void Marginalizer::AddPrior(const PosePrior& prior) {
   gradient_ += by_state.transpose() * prior.residual;
 }
 
-void Marginalizer::AddLandmark(const Eigen::MatrixXd& by_state,
-                               const Eigen::Matrix<double, Eigen::Dynamic, 3>& by_landmark,
-                               const Eigen::VectorXd& residual, const Eigen::VectorXd& delta) {
-  // What the landmark cannot explain: the part of residuals and derivatives that is orthogonal to
-  // its own derivatives (Mourikis and Roumeliotis 2007, eq. 24). Where its depth is not
-  // determined, that is one more dimension.
-  const Eigen::ColPivHouseholderQR<Eigen::Matrix<double, Eigen::Dynamic, 3>> qr(by_landmark);
-  const Eigen::Index rows = residual.size() - qr.rank();
-  Eigen::MatrixXd rest(residual.size(), by_state.cols() + 1);
-  rest << by_state, residual - by_state * delta;
-  rest.applyOnTheLeft(qr.householderQ().adjoint());
-  const auto jacobian = rest.bottomLeftCorner(rows, by_state.cols());
-  hessian_.noalias() += jacobian.transpose() * jacobian;
-  gradient_.noalias() += jacobian.transpose() * rest.col(by_state.cols()).tail(rows);
+void Marginalizer::Add(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
+                       const Eigen::VectorXd& delta) {
+  const Eigen::Index columns = hessian.rows();
+  const Eigen::MatrixXd whole = hessian.selfadjointView<Eigen::Lower>();
+  hessian_.topLeftCorner(columns, columns) += whole;
+  gradient_.head(columns) += gradient;
+  gradient_.head(columns).noalias() -= whole * delta.head(columns);
 }
 
 PosePrior WithoutFrame(const PosePrior& prior, int64_t frame_id) {
-  Marginalizer marginalizer(prior.frame_ids, prior.world_from_body, prior.body_from_right);
+  Marginalizer marginalizer(prior);
   marginalizer.AddPrior(prior);
   return marginalizer.Eliminate(frame_id);
 }
@@ -109,7 +96,9 @@ PosePrior Marginalizer::Eliminate(int64_t frame_id) const {
   const Eigen::MatrixXd hessian = hessian_(kept, kept) - gain * hessian_(dropped, kept);
   const Eigen::VectorXd gradient = gradient_(kept) - gain * gradient_(dropped);
 
-  // J = S^1/2 V^T and r0 = S^-1/2 V^T gradient, so that J^T J and J^T r0 are these again.
+  // J = S^1/2 V^T and r0 = S^-1/2 V^T gradient, so that J^T J and J^T r0 are these again. (A
+  // pivoted L D L^T is faster, but its small pivots are no eigenvalues: the newest pose got 9 %
+  // worse.)
   const SymmetricEigen of_kept = SolveSymmetricEigen(hessian);
   const Eigen::Index rows = (of_kept.values.array() > least).count();
   const Eigen::VectorXd roots = of_kept.values.tail(rows).cwiseSqrt();

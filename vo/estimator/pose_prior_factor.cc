@@ -1,7 +1,5 @@
 #include "pose_prior_factor.h"
 
-#include <cmath>
-
 #include "pose_manifold.h"
 
 namespace gluevo::vo {
@@ -10,22 +8,10 @@ namespace {
 constexpr int kPose = PosePrior::kPose;
 constexpr int kTurn = PosePrior::kTurn;
 
-// d Log(exp(v) exp(d)) / d d at d = 0: the inverse of the right Jacobian of SO(3) (Forster et al.
-// 2017, eq. 8 and following).
-Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& v) {
-  const double angle = v.norm();
-  const Eigen::Matrix3d cross = Skew(v);
-  // (1 - (a / 2) cot(a / 2)) / a^2, by its series near 0.
-  const double quadratic = angle < 1e-3
-                               ? 1.0 / 12.0 + angle * angle / 720.0
-                               : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
-  return Eigen::Matrix3d::Identity() + 0.5 * cross + quadratic * cross * cross;
-}
-
 }  // namespace
 
-PosePriorFactor::PosePriorFactor(const PosePrior& prior, const Eigen::Quaterniond& body_from_right)
-    : prior_(prior), turn_so_far_(TurnBetween(prior.body_from_right, body_from_right)) {
+PosePriorFactor::PosePriorFactor(const PosePrior& prior, const Eigen::Vector3d& turn_so_far)
+    : prior_(prior), turn_so_far_(turn_so_far) {
   for (std::size_t i = 0; i < prior.frame_ids.size(); ++i) {
     mutable_parameter_block_sizes()->push_back(PoseManifold::kAmbientSize);
   }

@@ -3,18 +3,18 @@
 #include <ceres/cost_function.h>
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 #include "gluevo/vo/estimator/pose_prior.h"
 
 namespace gluevo::vo {
 
 /// The prior as a residual of bundle adjustment. Parameters: world_from_body of each of the prior's
-/// frames (PoseParameters), then the turn since `body_from_right`, the present orientation.
+/// frames (PoseParameters), then the turn on top of `turn_so_far`, which is that since the prior's
+/// linearisation point.
 class PosePriorFactor final : public ceres::CostFunction {
  public:
   /// Keeps a reference: `prior` must outlive the factor.
-  PosePriorFactor(const PosePrior& prior, const Eigen::Quaterniond& body_from_right);
+  PosePriorFactor(const PosePrior& prior, const Eigen::Vector3d& turn_so_far);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 

@@ -33,6 +33,16 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation) {
   return 2.0 * std::atan2(sine, cosine) / sine * xyz;
 }
 
+Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  const Eigen::Matrix3d cross = Skew(rotation_vector);
+  // (1 - (a / 2) cot(a / 2)) / a^2, by its series near 0.
+  const double quadratic = angle < 1e-3
+                               ? 1.0 / 12.0 + angle * angle / 720.0
+                               : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
+  return Eigen::Matrix3d::Identity() + 0.5 * cross + quadratic * cross * cross;
+}
+
 Rigid3 Plus(const Rigid3& pose, const PoseTangent& delta) {
   return {(pose.rotation * ExpSo3(delta.tail<3>())).normalized(),
           pose.translation + delta.head<3>()};

@@ -133,8 +133,9 @@ std::vector<CalibrationFile> FilesOfFolder(const fs::path& folder) {
 }
 
 bool Mentions(const Calibration& calibration, const fs::path& path) {
-  return std::find(calibration.files.begin(), calibration.files.end(), path) !=
-         calibration.files.end();
+  const auto whole = [](const fs::path& file) { return fs::absolute(file).lexically_normal(); };
+  return std::any_of(calibration.files.begin(), calibration.files.end(),
+                     [&](const fs::path& file) { return whole(file) == whole(path); });
 }
 
 // The one calibration that the files of a folder make.
@@ -168,6 +169,22 @@ Calibration ReadFolder(const fs::path& folder, const CalibrationInput& settings)
   return found[0];
 }
 
+// A second file where one holds all: another calibration is refused, what is none is passed over.
+void CheckCount(const CalibrationForm& form, const CalibrationInput& input,
+                Calibration& calibration) {
+  if (input.named.size() <= form.most_files) {
+    return;
+  }
+  const CalibrationFile& second = input.named[form.most_files];
+  if (FormOf(second) != nullptr) {
+    throw Error(second.path.string() + ": a second calibration beside " +
+                input.named.front().path.string() +
+                ", expected one file, which holds both cameras");
+  }
+  calibration.files.resize(form.most_files);
+  calibration.notes.push_back(second.path.string() + ": not used, no calibration of cameras");
+}
+
 }  // namespace
 
 CalibrationFile ParseCalibrationFile(fs::path path, std::string text) {
@@ -196,6 +213,7 @@ Calibration ParseCalibration(const CalibrationInput& unordered) {
   }
   const std::string& path = input.named.front().path.string();
   try {
+    CheckCount(form, input, calibration);
     form.read(input, calibration);
     Check(input, path, calibration);
   } catch (const YAML::Exception& error) {
@@ -219,7 +237,10 @@ Calibration ReadCalibration(const std::vector<fs::path>& files,
   for (const fs::path& path : files) {
     auto file = OpenFile(path);
     if (!file) {
-      throw Error(path.string() + ": no such file (calibration)");
+      throw Error(path.string() + (fs::is_directory(path)
+                                       ? ": a folder, expected the file of one camera beside that "
+                                         "of the other one"
+                                       : ": no such file (calibration)"));
     }
     input.named.push_back(std::move(*file));
   }

@@ -111,6 +111,6 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 }  // namespace
 
 const CalibrationForm kBasaltForm = {
-    "Basalt calibration", "Basalt calibration.json (value0: T_imu_cam, intrinsics)", &Is, &Read};
+    "Basalt calibration", "Basalt calibration.json (value0: T_imu_cam, intrinsics)", &Is, 1, &Read};
 
 }  // namespace gluevo::vo

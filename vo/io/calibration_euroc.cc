@@ -24,6 +24,6 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 }  // namespace
 
 const CalibrationForm kEurocForm = {
-    "EuRoC sensor.yaml", "EuRoC sensor.yaml of both cameras (T_BS, intrinsics)", &Is, &Read};
+    "EuRoC sensor.yaml", "EuRoC sensor.yaml of both cameras (T_BS, intrinsics)", &Is, 2, &Read};
 
 }  // namespace gluevo::vo

@@ -42,6 +42,7 @@ struct CalibrationForm {
   /// What tells such a file, for the list of accepted forms.
   const char* signs;
   bool (*is)(const CalibrationFile& file);
+  std::size_t most_files;  ///< That can be named: 2 where each camera may have one of its own.
   /// Fills the rig, notes, warnings and the files that were opened besides.
   void (*read)(const CalibrationInput& input, Calibration& calibration);
 };
@@ -75,6 +76,7 @@ std::array<CalibrationFile, 2> LeftAndRight(const CalibrationInput& input,
 struct MateName {
   std::filesystem::path path;
   bool named_is_left = true;
+  bool by_digit_alone = false;  ///< Any name that ends in a number has such a mate.
 };
 std::vector<MateName> MateNames(const std::filesystem::path& path);
 

@@ -96,10 +96,11 @@ void ReadOpenVins(const CalibrationInput& input, Calibration& calibration) {
 
 }  // namespace
 
-const CalibrationForm kKalibrForm = {
-    "Kalibr camchain", "Kalibr camchain (cam0, cam1; OpenVINS' with T_imu_cam, too)", &Is, &Read};
+const CalibrationForm kKalibrForm = {"Kalibr camchain",
+                                     "Kalibr camchain (cam0, cam1; OpenVINS' with T_imu_cam, too)",
+                                     &Is, 1, &Read};
 const CalibrationForm kOpenVinsForm = {"OpenVINS settings",
                                        "OpenVINS estimator_config.yaml (relative_config_imucam)",
-                                       &IsOpenVins, &ReadOpenVins};
+                                       &IsOpenVins, 1, &ReadOpenVins};
 
 }  // namespace gluevo::vo

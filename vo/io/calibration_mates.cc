@@ -43,16 +43,23 @@ fs::path Replaced(const fs::path& path, std::string_view from, std::string_view 
   return {};
 }
 
+// "sensor.yaml" lies in a folder, too, which the name does not tell.
+fs::path MateOf(const fs::path& path, std::string_view from, std::string_view to) {
+  fs::path mate = Replaced(path, from, to);
+  return mate.empty() ? Replaced(fs::absolute(path).lexically_normal(), from, to) : mate;
+}
+
 }  // namespace
 
 std::vector<MateName> MateNames(const fs::path& path) {
   std::vector<MateName> names;
   for (const auto& [left, right] : kSides) {
-    if (fs::path mate = Replaced(path, left, right); !mate.empty()) {
-      names.push_back({std::move(mate), true});
+    const bool by_digit_alone = std::string_view(left).size() == 1;
+    if (fs::path mate = MateOf(path, left, right); !mate.empty()) {
+      names.push_back({std::move(mate), true, by_digit_alone});
     }
-    if (fs::path mate = Replaced(path, right, left); !mate.empty()) {
-      names.push_back({std::move(mate), false});
+    if (fs::path mate = MateOf(path, right, left); !mate.empty()) {
+      names.push_back({std::move(mate), false, by_digit_alone});
     }
   }
   return names;
@@ -72,9 +79,11 @@ std::array<CalibrationFile, 2> LeftAndRight(const CalibrationInput& input,
       throw Error(second.path.string() + ": not of the same kind as " + first.path.string() +
                   ", expected that of the other camera");
     }
-    // Names that say which is which go before the order.
-    const auto named = std::find_if(mates.begin(), mates.end(),
-                                    [&](const MateName& mate) { return mate.path == second.path; });
+    // Names that say which is which go before the order; a number at the end of any name does not.
+    const fs::path other = fs::absolute(second.path).lexically_normal();
+    const auto named = std::find_if(mates.begin(), mates.end(), [&](const MateName& mate) {
+      return !mate.by_digit_alone && fs::absolute(mate.path).lexically_normal() == other;
+    });
     const bool exchanged = named != mates.end() && !named->named_is_left;
     return exchanged ? std::array{second, first} : std::array{first, second};
   }

@@ -202,6 +202,16 @@ void ReadCamera(const std::vector<CalibrationFile>& files, std::string_view side
   }
 }
 
+// OpenCV's pinhole calibration writes five coefficients and more of itself.
+bool IsOldOrFisheye(const std::vector<CalibrationFile>& files, std::string_view side) {
+  constexpr std::size_t kCoefficients = 4;
+  const bool is_named = std::any_of(files.begin(), files.end(), [](const CalibrationFile& file) {
+    return file.Has("distortion_model") || file.Has("camera_model") || file.Has("model");
+  });
+  return !is_named && !Find(files, kMirrorNames, side) &&
+         Find(files, kLensNames, side).Numbers().size() == kCoefficients;
+}
+
 void Read(const CalibrationInput& input, Calibration& calibration) {
   std::vector<CalibrationFile> files = input.named;
   const fs::path& path = files[0].path;
@@ -232,6 +242,11 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
       SetSize((*size)[0], (*size)[1], path, camera);
     }
   }
+  if (IsOldOrFisheye(files, (*sides)[0])) {
+    calibration.notes.emplace_back(
+        "four distortion coefficients are taken as k1 k2 p1 p2; of cv::fisheye they would be k1 to "
+        "k4, which distortion_model: fisheye in the file says");
+  }
   calibration.rig.body_from_cam[1] =
       TransformFromParts(rotation.Numbers(), translation.Numbers(), rotation.key,
                          rotation.file->path, calibration)
@@ -242,6 +257,6 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 
 const CalibrationForm kOpenCvForm = {
     "OpenCV stereo calibration",
-    "OpenCV stereo calibration, YAML or XML (K1 D1 K2 D2 R T, also in two files)", &Is, &Read};
+    "OpenCV stereo calibration, YAML or XML (K1 D1 K2 D2 R T, also in two files)", &Is, 2, &Read};
 
 }  // namespace gluevo::vo

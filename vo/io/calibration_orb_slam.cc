@@ -1,10 +1,8 @@
 // Stereo settings of ORB-SLAM2 and ORB-SLAM3.
 
-#include <algorithm>
-#include <cctype>
-
 #include "calibration_parts.h"
 #include "gluevo/nn/error.h"
+#include "text_file.h"
 #include "yaml_file.h"
 
 namespace gluevo::vo {
@@ -23,10 +21,7 @@ double Number(const CalibrationFile& file, const std::string& key) {
 
 // Fisheye, rectified or pinhole, whatever the case of its letters.
 std::string TypeOf(const CalibrationFile& file) {
-  std::string type = YamlText(file.tree, "Camera.type", file.path).value_or("pinhole");
-  std::transform(type.begin(), type.end(), type.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return type;
+  return Lowercase(YamlText(file.tree, "Camera.type", file.path).value_or("pinhole"));
 }
 
 Camera ReadCamera(const CalibrationFile& file, const std::string& prefix) {
@@ -145,7 +140,7 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 
 const CalibrationForm kOrbSlamForm = {
     "ORB-SLAM settings",
-    "ORB-SLAM2 or ORB-SLAM3 stereo settings (LEFT.K, Camera1.fx, Camera.fx and Camera.bf)", &Is,
+    "ORB-SLAM2 or ORB-SLAM3 stereo settings (LEFT.K, Camera1.fx, Camera.fx and Camera.bf)", &Is, 1,
     &Read};
 
 }  // namespace gluevo::vo

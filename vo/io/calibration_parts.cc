@@ -1,10 +1,10 @@
 #include "calibration_parts.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 
 #include "gluevo/nn/error.h"
+#include "text_file.h"
 #include "yaml_file.h"
 
 namespace gluevo::vo {
@@ -35,12 +35,6 @@ constexpr LensName kLensNames[] = {{"radial-tangential", Distortion::kRadialTang
                                    {"kb4", Distortion::kEquidistant},
                                    {"fov", Distortion::kFieldOfView},
                                    {"none", Distortion::kNone}};
-
-std::string Lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 bool AllZero(const std::vector<double>& numbers, std::size_t first) {
   return std::all_of(numbers.begin() + static_cast<std::ptrdiff_t>(std::min(first, numbers.size())),
@@ -100,7 +94,7 @@ Rigid3 FromRows(const std::vector<double>& rows, const std::string& key, const f
 
 void SetLens(const std::string& name, const std::vector<double>& coefficients,
              const std::string& where, Camera& camera) {
-  const std::string lower = Lower(name);
+  const std::string lower = Lowercase(name);
   const auto* const found = std::find_if(std::begin(kLensNames), std::end(kLensNames),
                                          [&](const LensName& lens) { return lens.name == lower; });
   const bool unnamed = name.empty() && AllZero(coefficients, 0);
@@ -137,6 +131,11 @@ void SetMatrix(const std::vector<double>& rows, const std::string& where, Camera
   if (!is_matrix) {
     throw Error(where + " is no camera matrix, expected [fx 0 cx; 0 fy cy; 0 0 1] in pixels");
   }
+  constexpr double kMostSkew = 0.1;
+  if (std::abs(rows[1]) > kMostSkew) {
+    throw Error(where + " has a skew of " + std::to_string(rows[1]) +
+                " pixels, expected 0: no camera model here has one");
+  }
   camera.fx = rows[0];
   camera.fy = rows[4];
   camera.cx = rows[2];
@@ -151,7 +150,7 @@ Camera CameraFromYaml(const YAML::Node& node, const fs::path& path) {
     lens = model.substr(dash + 1);
     model.resize(dash);
   }
-  model = Lower(model);
+  model = Lowercase(model);
   const auto* const projection =
       std::find_if(std::begin(kProjections), std::end(kProjections),
                    [&](const ProjectionName& known) { return known.name == model; });
@@ -178,7 +177,7 @@ Camera CameraFromYaml(const YAML::Node& node, const fs::path& path) {
   const char* const key =
       node["distortion_coefficients"] ? "distortion_coefficients" : "distortion_coeffs";
   const std::vector<double> coefficients =
-      Lower(lens) == "none" ? std::vector<double>() : YamlNumbers(node, key, 0, path);
+      Lowercase(lens) == "none" ? std::vector<double>() : YamlNumbers(node, key, 0, path);
   SetLens(lens, coefficients, path.string() + ": " + key, camera);
   if (first == 0) {
     return camera;

@@ -60,7 +60,7 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 }  // namespace
 
 const CalibrationForm kRosCameraInfoForm = {
-    "ROS camera_info", "ROS camera_info of both cameras (camera_matrix, projection_matrix)", &Is,
+    "ROS camera_info", "ROS camera_info of both cameras (camera_matrix, projection_matrix)", &Is, 2,
     &Read};
 
 }  // namespace gluevo::vo

@@ -126,7 +126,8 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 
 }  // namespace
 
-const CalibrationForm kVinsFusionForm = {
-    "VINS-Fusion configuration", "VINS-Fusion configuration (cam0_calib, body_T_cam0)", &Is, &Read};
+const CalibrationForm kVinsFusionForm = {"VINS-Fusion configuration",
+                                         "VINS-Fusion configuration (cam0_calib, body_T_cam0)", &Is,
+                                         1, &Read};
 
 }  // namespace gluevo::vo

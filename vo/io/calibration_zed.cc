@@ -1,9 +1,7 @@
 // Stereolabs' factory calibration, SN*.conf: sections a camera and resolution, lengths in
 // millimetres.
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <map>
 
 #include "calibration_parts.h"
@@ -28,15 +26,8 @@ constexpr Resolution kResolutions[] = {
 // Values by "section:key", in lower case, as Stereolabs' own reader takes them.
 using Values = std::map<std::string, double>;
 
-std::string Lower(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
-
 bool Is(const CalibrationFile& file) {
-  return Lower(file.text).find("[left_cam_") != std::string::npos;
+  return Lowercase(file.text).find("[left_cam_") != std::string::npos;
 }
 
 Values ParseValues(const CalibrationFile& file) {
@@ -48,13 +39,13 @@ Values ParseValues(const CalibrationFile& file) {
       continue;
     }
     if (text.front() == '[') {
-      section = Lower(std::string_view(text).substr(1, text.find(']') - 1));
+      section = Lowercase(std::string_view(text).substr(1, text.find(']') - 1));
       continue;
     }
     const auto fields = SplitFields(text, '=');
     // Serial numbers, dates and names of firmware are no numbers.
     if (const auto number = fields.size() == 2 ? ParseNumber(fields[1]) : std::nullopt) {
-      values[section + ":" + Lower(fields[0])] = *number;
+      values[section + ":" + Lowercase(fields[0])] = *number;
     }
   }
   return values;
@@ -150,6 +141,6 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
 
 const CalibrationForm kZedForm = {"ZED factory calibration",
                                   "ZED factory calibration SN*.conf ([LEFT_CAM_HD], [STEREO])", &Is,
-                                  &Read};
+                                  1, &Read};
 
 }  // namespace gluevo::vo

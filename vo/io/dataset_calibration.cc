@@ -34,28 +34,27 @@ void CheckCalibration(const Dataset& dataset) {
   const std::string what =
       (dataset.calibration.empty() ? dataset.root : dataset.calibration).string();
   dataset.rig.Validate(what);
-  // One odd image among others is for Read to refuse; here it is the first, the last and one
+  // One odd image among others is for Read to refuse; here it is the first, the last and some
   // between.
-  std::string message;
+  constexpr std::size_t kLooked = 5;
   const std::size_t count = dataset.entries.size();
-  for (const std::size_t i : {std::size_t{0}, count / 2, count - 1}) {
-    const Dataset::Entry& entry = dataset.entries[i];
-    for (std::size_t side = 0; side < 2; ++side) {
-      const Camera& camera = dataset.rig.cameras[side];
-      const std::optional<std::array<int, 2>> size = SizeIfReadable(entry.images[side]);
-      if (!size) {
-        continue;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const Camera& camera = dataset.rig.cameras[side];
+    std::string message;
+    std::size_t others = 0;
+    bool fits = false;
+    for (std::size_t i = 0; i < std::min(count, kLooked) && !fits; ++i) {
+      const std::size_t index = i * (count - 1) / std::max<std::size_t>(1, kLooked - 1);
+      const fs::path& image = dataset.entries[count <= kLooked ? i : index].images[side];
+      const std::optional<std::array<int, 2>> size = SizeIfReadable(image);
+      fits = size == std::array{camera.width, camera.height};
+      if (size && !fits && ++others == 1) {
+        message = WrongSizeMessage(image, *size, camera, dataset.calibration);
       }
-      if (*size == std::array{camera.width, camera.height}) {
-        return;
-      }
-      message = message.empty()
-                    ? WrongSizeMessage(entry.images[side], *size, camera, dataset.calibration)
-                    : message;
     }
-  }
-  if (!message.empty()) {
-    throw Error(message);
+    if (!fits && (others > 1 || (others == 1 && count == 1))) {
+      throw Error(message);
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include <set>
 #include <system_error>
 
+#include "calibration_parts.h"
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
 #include "groundtruth.h"
@@ -115,11 +116,34 @@ std::vector<fs::path> OwnCalibration(const fs::path& mav0) {
   return {sensor_file, mav0 / "cam1" / "sensor.yaml"};
 }
 
+// A calibration of the cameras alone does not tell where they are on the body, whose path the data
+// set's ground truth is.
+void PutOnBody(const fs::path& sensor_file, Dataset& dataset) {
+  std::error_code ignored;
+  if (dataset.rig.body_frame != "left camera" || !fs::exists(sensor_file, ignored)) {
+    return;
+  }
+  const CalibrationFile file = ParseCalibrationFile(sensor_file, ReadText(sensor_file));
+  if (!file.Has("T_BS")) {
+    return;
+  }
+  Calibration calibration;
+  const Rigid3 body_from_left = TransformFromYaml(file.tree, "T_BS", file.path, calibration);
+  const Rigid3 body_from_reference = body_from_left * dataset.rig.body_from_cam[0].Inverse();
+  for (Rigid3& body_from_cam : dataset.rig.body_from_cam) {
+    body_from_cam = body_from_reference * body_from_cam;
+  }
+  dataset.rig.body_frame = "imu (body)";
+  dataset.notes.push_back("where the left camera is on the body is from " + sensor_file.string() +
+                          ": the calibration that was named has the cameras alone");
+}
+
 }  // namespace
 
 bool IsEuroc(const fs::path& root) {
   return fs::is_directory(root / "mav0") || FolderPath(root).filename() == "mav0" ||
-         fs::exists(root / "cam0" / "data.csv") || fs::exists(root / "cam1" / "data.csv");
+         (fs::exists(root / "cam0" / "data.csv") && fs::is_directory(root / "cam0" / "data")) ||
+         (fs::exists(root / "cam1" / "data.csv") && fs::is_directory(root / "cam1" / "data"));
 }
 
 Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
@@ -140,6 +164,7 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   }
   ReportPairs(pairs, /*stamped=*/true, dataset);
   SetCalibration(options.calibration ? CalibrationFiles(options) : OwnCalibration(mav0), dataset);
+  PutOnBody(mav0 / "cam0" / "sensor.yaml", dataset);
   const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
                                             mav0 / "mocap0" / "data.csv"};
   AddGroundtruth(options, candidates, {}, dataset);

@@ -76,7 +76,7 @@ Dataset OpenKittiOdometry(const fs::path& root, const DatasetOptions& options) {
   for (const std::string& oddity : dataset.rig.Oddities()) {
     dataset.warnings.push_back(dataset.calibration.string() + ": " + oddity);
   }
-  AddGroundtruth(options, {PosesOfSequence(FolderPath(root))}, times, dataset);
+  AddGroundtruth(options, {PosesOfSequence(FolderPath(root))}, {times, {}}, dataset);
   return dataset;
 }
 

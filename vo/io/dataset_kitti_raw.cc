@@ -7,36 +7,12 @@
 #include "gluevo/nn/error.h"
 #include "groundtruth.h"
 #include "kitti_files.h"
-#include "stamp_unit.h"
-#include "text_file.h"
 #include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The time of each row in nanoseconds after the first; nothing for a blank row.
-std::vector<std::optional<int64_t>> ReadRows(const fs::path& path) {
-  std::vector<std::optional<int64_t>> times;
-  int64_t first = 0;
-  for (const TextLine& line : ReadLines(path, /*skip_comments=*/false)) {
-    if (line.text.empty() && !times.empty()) {
-      times.emplace_back();
-      continue;
-    }
-    const std::optional<int64_t> time = ParseDateTime(line.text);
-    if (!time) {
-      throw Error(At(path, line) + ": " + Quoted(line.text) +
-                  " is not a time, expected YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
-    }
-    if (times.empty()) {
-      first = *time;
-    }
-    times.emplace_back(*time - first);
-  }
-  return times;
-}
 
 // The gray cameras, or the coloured ones where only these are there. KITTI-360 calls the folder of
 // rectified images data_rect, and has these cameras at a calibration of its own.
@@ -135,7 +111,7 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
   const fs::path drive_times = root / "timestamps.txt";
   const fs::path times_file =
       !fs::exists(camera_times) && fs::exists(drive_times) ? drive_times : camera_times;
-  const std::vector<std::optional<int64_t>> times = ReadRows(times_file);
+  const std::vector<std::optional<int64_t>> times = ReadTimestamps(times_file);
   for (const auto& [images] : pairs) {
     const auto number = static_cast<std::size_t>(images[0].key);
     if (number >= times.size() || !times[number]) {
@@ -148,7 +124,7 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
                                          fs::path("calibration") / "perspective.txt"});
   dataset.rig = ReadRig(KittiCalibration(dataset.calibration), cameras,
                         pairs.front().images[0].path, FirstImageSize(dataset));
-  AddGroundtruth(options, {}, {}, dataset);
+  AddGroundtruth(options, {}, {{}, times}, dataset);
   return dataset;
 }
 

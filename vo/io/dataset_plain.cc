@@ -37,6 +37,20 @@ int64_t NumberStep(const ImageNames& names) {
   return std::max<int64_t>(step, 1);
 }
 
+// Where images are fewer than rows without names, and numbers may count from 0 or from 1.
+void NoteFirstRow(const TimesFile& times, const KeyedImages& images, KeyKind kind,
+                  int64_t first_number, Dataset& dataset) {
+  if (kind != KeyKind::kNumbers || first_number != 1 || !times.rows.front().image.empty() ||
+      times.rows.size() <= images.size() ||
+      static_cast<int64_t>(times.rows.size()) <= images.back().key + 1) {
+    return;
+  }
+  dataset.warnings.push_back(times.path.string() + " has " + std::to_string(times.rows.size()) +
+                             " times for " + std::to_string(images.size()) +
+                             " images: image number n is given time number n, counted from 0 (if "
+                             "the first time is that of image 1, remove the others)");
+}
+
 // Takes the times of a file for the keys of one camera; what has none is left out.
 void TakeTimes(const TimesFile& times, ImageNames& names, std::size_t side, int64_t first_number,
                Dataset& dataset) {
@@ -48,6 +62,7 @@ void TakeTimes(const TimesFile& times, ImageNames& names, std::size_t side, int6
       timed.push_back({*found[i], images[i].path});
     }
   }
+  NoteFirstRow(times, images, names.kind, first_number, dataset);
   const std::size_t without = images.size() - timed.size();
   if (without > 0) {
     dataset.images_left_out += static_cast<int>(without);
@@ -123,6 +138,9 @@ void AddTimed(ImageNames names, const TimesFile& times, const DatasetOptions& op
     if (mate != mates.end() && mate->first == image.path) {
       dataset.entries.push_back({image.key, {mate->first, mate->second}});
     }
+  }
+  if (dataset.entries.empty()) {
+    throw Error(times.path.string() + ": has no time of a left image that has a mate");
   }
 }
 

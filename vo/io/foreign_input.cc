@@ -1,8 +1,6 @@
 #include "foreign_input.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <fstream>
 #include <optional>
 #include <string_view>
@@ -11,6 +9,7 @@
 
 #include "gluevo/nn/stand_in.h"
 #include "gluevo/vo/io/image_file.h"
+#include "text_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -71,12 +70,7 @@ constexpr Ending kEndings[] = {{".bag", "a ROS bag"},         {".mcap", "a ROS 2
                                {".yml", "a yaml file"},       {".txt", "a text file"},
                                {".csv", "a csv file"}};
 
-std::string LowerEnding(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
+std::string LowerEnding(const fs::path& file) { return Lowercase(file.extension().string()); }
 
 template <std::size_t count>
 std::string NameOfEnding(const Ending (&endings)[count], const fs::path& file) {

@@ -10,11 +10,42 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void SetTimes(const fs::path& path, const Dataset& dataset,
-              const std::vector<int64_t>& row_times_ns, TrajectoryFile& file) {
-  std::vector<int64_t> times_ns = row_times_ns;
-  for (std::size_t i = 0; row_times_ns.empty() && i < dataset.entries.size(); ++i) {
-    times_ns.push_back(dataset.entries[i].timestamp_ns);
+using Times = std::vector<std::optional<int64_t>>;
+
+Times TimesOf(const Dataset& dataset) {
+  Times times_ns;
+  times_ns.reserve(dataset.entries.size());
+  for (const Dataset::Entry& entry : dataset.entries) {
+    times_ns.emplace_back(entry.timestamp_ns);
+  }
+  return times_ns;
+}
+
+void SetFrameTimes(const fs::path& path, const Times& times_ns, TrajectoryFile& file) {
+  const std::size_t left_out = SetRowTimes(times_ns, file);
+  if (file.poses.empty()) {
+    throw Error(path.string() + ": no pose of the data set's frames 0 to " +
+                std::to_string(times_ns.size() - 1) + ": its rows are of other ones");
+  }
+  constexpr const char* kNameOfBody = "poses.txt";
+  file.notes.push_back("the rows' first numbers are taken as those of frames" +
+                       (left_out == 0 ? std::string()
+                                      : "; " + std::to_string(left_out) +
+                                            " rows are of frames without a time: left out"));
+  if (path.filename() == kNameOfBody) {
+    file.notes.emplace_back(
+        "KITTI-360's poses.txt is of the GPS unit; the left camera's path is cam0_to_world.txt");
+  }
+}
+
+void SetTimes(const fs::path& path, const Dataset& dataset, const RowTimes& known,
+              TrajectoryFile& file) {
+  const std::vector<int64_t>& row_times_ns = known.rows_ns;
+  const Times times_ns =
+      row_times_ns.empty() ? TimesOf(dataset) : Times(row_times_ns.begin(), row_times_ns.end());
+  if (file.is_numbered) {
+    SetFrameTimes(path, known.frames_ns.empty() ? times_ns : known.frames_ns, file);
+    return;
   }
   const std::string counts = std::to_string(file.rows) + " poses for " +
                              std::to_string(times_ns.size()) +
@@ -29,10 +60,10 @@ void SetTimes(const fs::path& path, const Dataset& dataset,
   SetRowTimes(times_ns, file);
 }
 
-Trajectory Read(const fs::path& path, const std::vector<int64_t>& row_times_ns, Dataset& dataset) {
+Trajectory Read(const fs::path& path, const RowTimes& times, Dataset& dataset) {
   TrajectoryFile file = ReadTrajectoryFile(path);
   if (file.format == TrajectoryFormat::kKitti) {
-    SetTimes(path, dataset, row_times_ns, file);
+    SetTimes(path, dataset, times, file);
   }
   for (const std::string& note : file.notes) {
     dataset.warnings.push_back("ground truth " + path.string() + ": " + note);
@@ -43,9 +74,9 @@ Trajectory Read(const fs::path& path, const std::vector<int64_t>& row_times_ns, 
 }  // namespace
 
 void AddGroundtruth(const DatasetOptions& options, const std::vector<fs::path>& candidates,
-                    const std::vector<int64_t>& row_times_ns, Dataset& dataset) {
+                    const RowTimes& times, Dataset& dataset) {
   if (options.groundtruth) {
-    dataset.groundtruth = Read(*options.groundtruth, row_times_ns, dataset);
+    dataset.groundtruth = Read(*options.groundtruth, times, dataset);
     return;
   }
   const auto found = std::find_if(candidates.begin(), candidates.end(),
@@ -54,7 +85,7 @@ void AddGroundtruth(const DatasetOptions& options, const std::vector<fs::path>& 
     return;
   }
   try {
-    dataset.groundtruth = Read(*found, row_times_ns, dataset);
+    dataset.groundtruth = Read(*found, times, dataset);
   } catch (const Error& error) {
     dataset.warnings.push_back(std::string("the data set's ground truth is not used: ") +
                                error.what());

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <iterator>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/whole_file.h"
 #include "image_bytes.h"
 
 namespace gluevo::vo {
@@ -26,12 +26,8 @@ ImageBytes ReadBytes(const fs::path& file) {
                                      ? ": no such image: a link to what is not there"
                                      : ": no such image"));
   }
-  std::ifstream stream(file, std::ios::binary);
-  ImageBytes bytes{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) {
-    throw Error(file.string() + ": cannot be read");
-  }
-  return bytes;
+  const std::string bytes = ReadWholeFile(file);
+  return {bytes.begin(), bytes.end()};
 }
 
 // Nothing where the decoder fails. It turns TIFF images by itself, whatever it is told.

@@ -1,13 +1,13 @@
 // Which files are images.
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <system_error>
 
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/image_file.h"
+#include "text_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -18,12 +18,7 @@ constexpr const char* kEndings[] = {".png", ".jpg", ".jpeg", ".jpe",  ".jfif",
                                     ".pgm", ".ppm", ".pnm",  ".pbm",  ".bmp",
                                     ".dib", ".tif", ".tiff", ".webp", ".jp2"};
 
-std::string LowerEnding(const fs::path& name) {
-  std::string ending = name.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return ending;
-}
+std::string LowerEnding(const fs::path& name) { return Lowercase(name.extension().string()); }
 
 // What is in a folder and not hidden, sorted.
 std::vector<fs::path> Visible(const fs::path& folder) {

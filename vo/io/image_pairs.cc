@@ -41,6 +41,28 @@ std::string Count(std::size_t count, std::size_t all, const char* side) {
   return std::to_string(count) + " of " + std::to_string(all) + " " + side;
 }
 
+// As many images of both cameras, of which one counts from a later number: paired by numbers, but
+// perhaps one that counts from 0 and one from 1.
+std::string HowNumbered(const ImagePairs& pairs) {
+  const auto& [left, right] = pairs.alone;
+  if (left.empty() || left.size() != right.size() || pairs.pairs.empty()) {
+    return "";
+  }
+  const int64_t first = pairs.pairs.front().images[0].key;
+  const int64_t last = pairs.pairs.back().images[0].key;
+  const bool left_is_earlier = left.back().key < first && right.front().key > last;
+  const bool right_is_earlier = right.back().key < first && left.front().key > last;
+  if (!left_is_earlier && !right_is_earlier) {
+    return "";
+  }
+  const int64_t left_first = left_is_earlier ? left.front().key : first;
+  const int64_t right_first = left_is_earlier ? first : right.front().key;
+  return "; left images are numbered from " + std::to_string(left_first) + ", right ones from " +
+         std::to_string(right_first) +
+         ", as many of each: equal numbers are taken as pairs; where the first ones of both belong "
+         "together, number them alike";
+}
+
 }  // namespace
 
 ImagePairs PairImages(const std::array<KeyedImages, 2>& images, int64_t tolerance,
@@ -109,7 +131,8 @@ void ReportPairs(const ImagePairs& pairs, bool stamped, Dataset& dataset) {
                                   : Count(right, pairs.all[1], "right images");
     dataset.warnings.push_back(
         text + (left + right > 1 ? " have no mate and are" : " has no mate and is") +
-        " left out (the first is " + first.path.string() + ")" + HowFarApart(pairs, stamped));
+        " left out (the first is " + first.path.string() + ")" + HowFarApart(pairs, stamped) +
+        (stamped ? "" : HowNumbered(pairs)));
   }
   int64_t most = 0;
   for (const ImagePair& pair : pairs.pairs) {

@@ -110,6 +110,27 @@ std::vector<ImagePair> ListNumberedPairs(const std::array<fs::path, 2>& folders,
   return pairs.pairs;
 }
 
+std::vector<std::optional<int64_t>> ReadTimestamps(const fs::path& path) {
+  std::vector<std::optional<int64_t>> times;
+  int64_t first = 0;
+  for (const TextLine& line : ReadLines(path, /*skip_comments=*/false)) {
+    if (line.text.empty() && !times.empty()) {
+      times.emplace_back();
+      continue;
+    }
+    const std::optional<int64_t> time = ParseDateTime(line.text);
+    if (!time) {
+      throw Error(At(path, line) + ": " + Quoted(line.text) +
+                  " is not a time, expected YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
+    }
+    if (times.empty()) {
+      first = *time;
+    }
+    times.emplace_back(*time - first);
+  }
+  return times;
+}
+
 fs::path FindAbove(const fs::path& folder, const std::vector<fs::path>& files) {
   constexpr int kFoldersAbove = 3;
   fs::path place = FolderPath(folder);

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +42,10 @@ StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std
 /// there twice, a folder that is missing or has no images, and folders without a pair.
 std::vector<ImagePair> ListNumberedPairs(const std::array<std::filesystem::path, 2>& folders,
                                          Dataset& dataset);
+
+/// The times of a drive's timestamps.txt, a date a row, in nanoseconds after the first; nothing for
+/// a blank row. Throws Error with file and line for any other row.
+std::vector<std::optional<int64_t>> ReadTimestamps(const std::filesystem::path& path);
 
 /// The first of some files that is there, in the folder or in up to three above it. Throws Error
 /// naming them.

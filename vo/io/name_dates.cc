@@ -81,6 +81,19 @@ std::optional<Date> DateFrom(const Runs& runs, std::size_t at) {
   return valid ? std::optional(date) : std::nullopt;
 }
 
+bool NeverFalls(const std::vector<Date>& dates) {
+  bool grew = false;
+  for (std::size_t i = 1; i < dates.size(); ++i) {
+    const auto before = ParseInteger(dates[i - 1].fraction);
+    const auto now = ParseInteger(dates[i].fraction);
+    if (!before || !now || *now < *before) {
+      return false;
+    }
+    grew = grew || *now > *before;
+  }
+  return grew;
+}
+
 std::optional<NameNumbers> TimesOf(const std::vector<Date>& dates) {
   std::size_t most = 0;
   bool apart = false;
@@ -92,7 +105,8 @@ std::optional<NameNumbers> TimesOf(const std::vector<Date>& dates) {
     same_digits = same_digits && date.fraction.size() == dates.front().fraction.size();
     same_second = same_second && date.second == dates.front().second;
   }
-  if (apart && same_second) {
+  // What goes on counting from second to second, or never leaves one, is no part of a second.
+  if (apart && (same_second || NeverFalls(dates))) {
     return std::nullopt;
   }
   // Numbers of their own may be written without the zeros before them.

@@ -8,6 +8,7 @@
 #include "gluevo/vo/io/image_file.h"
 #include "image_names.h"
 #include "name_parts.h"
+#include "text_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -56,9 +57,7 @@ std::optional<Side> SideByWord(const std::string& name) {
     return std::nullopt;
   }
   side.side = *found;
-  for (char& c : side.rest) {
-    c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
+  side.rest = Lowercase(side.rest);
   return side;
 }
 
@@ -101,7 +100,8 @@ void AddCandidates(const std::vector<fs::path>& folders, int rank, const SideOf&
 // The folder itself, data in it, or the only one in it that holds images.
 fs::path ImagesIn(const fs::path& folder) {
   std::error_code ignored;
-  if (fs::is_directory(folder / "data", ignored)) {
+  const bool has_data = fs::is_directory(folder / "data", ignored);
+  if (has_data && !ListImages(folder / "data").empty()) {
     return folder / "data";
   }
   if (!ListImages(folder).empty()) {

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <system_error>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/whole_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -98,12 +97,7 @@ std::string ReadText(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status)) {
     throw Error(path.string() + ": not a file");
   }
-  std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
-  if (!file) {
-    throw Error(path.string() + ": cannot be read");
-  }
-  return text;
+  return ReadWholeFile(path);
 }
 
 bool IsComment(std::string_view line) {
@@ -253,6 +247,14 @@ std::optional<int64_t> ParseShifted(std::string_view text, int shift) {
     return std::nullopt;
   }
   return decimal->negative ? -static_cast<int64_t>(value) : static_cast<int64_t>(value);
+}
+
+std::string Lowercase(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
+  return lower;
 }
 
 std::optional<int64_t> ParseSeconds(std::string_view text) {

@@ -38,6 +38,9 @@ bool IsHeader(std::string_view line);
 /// number in it. Throws Error as ReadLines.
 std::vector<TextLine> ReadTable(const std::filesystem::path& path);
 
+/// ASCII letters in lower case, all else as it is.
+std::string Lowercase(std::string_view text);
+
 /// "FILE:LINE", for messages.
 std::string At(const std::filesystem::path& path, const TextLine& line);
 

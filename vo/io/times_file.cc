@@ -2,12 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 #include <string_view>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/io/image_file.h"
 #include "name_parts.h"
 #include "text_file.h"
 
@@ -90,6 +87,28 @@ bool CountsRows(const Table& table, std::size_t column) {
   return table.rows.size() > 1;
 }
 
+// 0, 2, 4, 7: frames' numbers with gaps, where the other column is of times that nobody counts.
+bool CountsWithGaps(const Table& table, std::size_t column, std::size_t other) {
+  constexpr int64_t kMostFrames = 10'000'000;
+  std::optional<int64_t> before;
+  std::optional<double> time_before;
+  std::vector<int64_t> stamps;
+  bool fractions = false;
+  for (const auto& row : table.rows) {
+    const std::optional<int64_t> number = ParseInteger(row[column]);
+    const std::optional<double> time = ParseNumber(row[other]);
+    if (!number || !time || *number < 0 || *number >= kMostFrames ||
+        (before && *number <= *before) || (time_before && *time <= *time_before)) {
+      return false;
+    }
+    before = number;
+    time_before = time;
+    fractions = fractions || *time != std::floor(*time);
+    stamps.push_back(ParseInteger(row[other]).value_or(0));
+  }
+  return table.rows.size() > 1 && (fractions || UnitSince1970(stamps).has_value());
+}
+
 bool Contains(const std::string& text, const char* word) {
   const NameWords words = WordsOf(text);
   return std::any_of(words.begin(), words.end(), [&](const NameWord& found) {
@@ -114,7 +133,9 @@ std::size_t StampColumn(const Table& table) {
     throw Error(At(table.path, table.lines.front()) +
                 ": no column of times, expected one a line, with or without an image's name");
   }
-  return stamps.size() > 1 && CountsRows(table, stamps[0]) ? stamps[1] : stamps[0];
+  const bool numbered = stamps.size() > 1 && (CountsRows(table, stamps[0]) ||
+                                              CountsWithGaps(table, stamps[0], stamps[1]));
+  return numbered ? stamps[1] : stamps[0];
 }
 
 std::optional<std::size_t> ImageColumn(const Table& table, std::size_t stamp_column) {
@@ -124,7 +145,7 @@ std::optional<std::size_t> ImageColumn(const Table& table, std::size_t stamp_col
       return i;
     }
   }
-  if (stamp_column > 0 && CountsRows(table, 0)) {
+  if (stamp_column > 0 && (CountsRows(table, 0) || CountsWithGaps(table, 0, stamp_column))) {
     return 0;
   }
   return std::nullopt;
@@ -210,49 +231,6 @@ TimesFile ReadTimesFile(const fs::path& path) {
     times.rows.push_back({*time, image_column ? table.rows[i][*image_column] : std::string()});
   }
   return times;
-}
-
-std::vector<std::optional<int64_t>> TimesOfImages(const TimesFile& times,
-                                                  const std::vector<KeyedImage>& images,
-                                                  KeyKind kind, int64_t first_number) {
-  std::vector<std::optional<int64_t>> result(images.size());
-  std::map<std::string, int64_t> by_name;
-  std::map<int64_t, int64_t> by_number;
-  for (const TimesFile::Row& row : times.rows) {
-    const fs::path name = fs::path(row.image).filename();
-    by_name[HasImageEnding(name) ? name.stem().string() : name.string()] = row.timestamp_ns;
-    if (const std::optional<int64_t> number = ParseInteger(row.image)) {
-      by_number[*number] = row.timestamp_ns;
-    }
-  }
-  bool any = false;
-  for (std::size_t i = 0; i < images.size() && !times.rows.front().image.empty(); ++i) {
-    const auto named = by_name.find(images[i].path.stem().string());
-    const auto numbered = by_number.find(images[i].key);
-    if (named != by_name.end()) {
-      result[i] = named->second;
-    } else if (kind == KeyKind::kNumbers && numbered != by_number.end()) {
-      result[i] = numbered->second;
-    }
-    any = any || result[i];
-  }
-  if (any) {
-    return result;
-  }
-  const auto rows = static_cast<int64_t>(times.rows.size());
-  const int64_t last = images.empty() ? 0 : images.back().key;
-  const int64_t first_row = last < rows ? 0 : first_number;
-  const bool as_many = times.rows.size() == images.size();
-  if (!as_many && (kind != KeyKind::kNumbers || last - first_row >= rows)) {
-    throw Error(times.path.string() + ": has " + std::to_string(rows) + " times for the " +
-                std::to_string(images.size()) + " images of " +
-                images.front().path.parent_path().string() + ", expected one for each");
-  }
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const auto row = as_many ? i : static_cast<std::size_t>(images[i].key - first_row);
-    result[i] = times.rows[row].timestamp_ns;
-  }
-  return result;
 }
 
 }  // namespace gluevo::vo

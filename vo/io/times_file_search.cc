@@ -32,7 +32,8 @@ bool IsText(const fs::path& path) {
 bool IsTimesName(const std::string& stem) {
   const auto holds = [&](const char* word) { return stem.find(word) != std::string::npos; };
   return (holds("time") || holds("stamp")) && !holds("pose") && !holds("imu") && !holds("truth") &&
-         !holds("trajectory") && !holds("exposure") && !holds("gps") && !holds("oxts");
+         !holds("trajectory") && !holds("exposure") && !holds("runtime") && !holds("timing") &&
+         !holds("gps") && !holds("oxts");
 }
 
 std::vector<fs::path> TextFiles(const fs::path& folder) {

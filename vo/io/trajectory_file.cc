@@ -1,8 +1,6 @@
 #include "gluevo/vo/io/trajectory_file.h"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,8 @@
 #include "gluevo/nn/error.h"
 #include "text_file.h"
 #include "trajectory_layout.h"
+#include "trajectory_matrices.h"
+#include "trajectory_oddities.h"
 #include "trajectory_times.h"
 
 namespace gluevo::vo {
@@ -17,47 +17,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kKittiFields = 12;
 constexpr int64_t kSecondNs = 1'000'000'000;
 
-/// What trackers write where they have no pose: "nan", "-inf", "1.#QNAN", "None", or nothing.
-bool IsNoValue(std::string_view field) {
-  std::string word;
-  for (const char c : field) {
-    word.push_back(static_cast<char>(std::tolower(static_cast<unsigned char>(c))));
-  }
-  if (word.starts_with('-') || word.starts_with('+')) {
-    word.erase(0, 1);
-  }
-  return word.empty() || word.starts_with("nan") || word == "inf" || word == "infinity" ||
-         word.starts_with("1.#") || word == "none" || word == "null";
-}
-
-/// Counts of what is not as it should be, each with the line where it is first.
-struct Oddities {
-  struct Count {
-    std::size_t rows = 0;
-    int first_line = 0;
-    void Add(int line) { first_line = rows++ == 0 ? line : first_line; }
-  };
-  Count no_pose;
-  Count zeros;
-  Count not_normalized;
-  /// Lengths of the quaternions that are not normalized.
-  double shortest = std::numeric_limits<double>::infinity();
-  double longest = 0.0;
-};
-
-double ParseField(const fs::path& path, const TextLine& line, std::string_view field) {
-  const std::optional<double> value = ParseNumber(field);
-  if (!value) {
-    throw Error(At(path, line) + ": " + Quoted(field) + " is not a finite number");
-  }
-  return *value;
-}
-
 Eigen::Quaterniond ParseQuaternion(const fs::path& path, const TextLine& line,
-                                   const Eigen::Quaterniond& q, Oddities& oddities) {
+                                   const Eigen::Quaterniond& q, TrajectoryOddities& oddities) {
   constexpr double kTolerance = 0.01;
   // What is further off is rarely a quaternion.
   constexpr double kShortest = 0.1;
@@ -87,17 +50,10 @@ std::optional<int64_t> ParseTime(const PoseColumns& columns,
   return valid ? std::optional(*time + *rest) : std::nullopt;
 }
 
-/// "12.5 lost", or a time alone.
-bool IsWithoutPose(const std::vector<std::string_view>& fields) {
-  return fields.size() == 1 ||
-         std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
-           return !field.empty() && std::isalpha(static_cast<unsigned char>(field.front())) != 0;
-         });
-}
-
 /// The pose of a row of a table; nothing where it has none.
 std::optional<PoseRow> ParseRow(const fs::path& path, const TextLine& line,
-                                const TrajectoryLayout& layout, TimeUnit unit, Oddities& oddities) {
+                                const TrajectoryLayout& layout, TimeUnit unit,
+                                TrajectoryOddities& oddities) {
   const auto fields = SplitFields(line.text, layout.separator);
   const PoseColumns& columns = layout.columns;
   if (fields.size() < columns.Count()) {
@@ -146,7 +102,7 @@ bool IsCutOff(const fs::path& path, const TextLine& line, const TrajectoryLayout
     return false;
   }
   try {
-    Oddities oddities;
+    TrajectoryOddities oddities;
     ParseRow(path, line, layout, unit, oddities);
     return oddities.not_normalized.rows > 0;
   } catch (const Error&) {
@@ -155,7 +111,7 @@ bool IsCutOff(const fs::path& path, const TextLine& line, const TrajectoryLayout
 }
 
 /// Quaternions that are all of another length, and each of its own, are other numbers.
-void CheckLengths(const fs::path& path, std::size_t rows, const Oddities& oddities) {
+void CheckLengths(const fs::path& path, std::size_t rows, const TrajectoryOddities& oddities) {
   constexpr std::size_t kFewest = 3;
   constexpr double kSpread = 1.1;
   if (rows >= kFewest && oddities.not_normalized.rows == rows &&
@@ -167,7 +123,7 @@ void CheckLengths(const fs::path& path, std::size_t rows, const Oddities& odditi
 }
 
 Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, TrajectoryLayout& layout,
-                      Oddities& oddities, std::vector<std::string>& notes) {
+                      TrajectoryOddities& oddities, std::vector<std::string>& notes) {
   std::vector<std::string_view> times;
   times.reserve(lines.rows.size());
   for (const TextLine& line : lines.rows) {
@@ -178,7 +134,8 @@ Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, Trajec
   }
   const TimeUnit unit = layout.columns.nanoseconds
                             ? TimeUnit::kSeconds
-                            : ChooseTimeUnit(times, layout.columns.unit.value_or(layout.unit));
+                            : ChooseTimeUnit(times, layout.columns.unit.value_or(layout.unit),
+                                             layout.columns.unit.has_value());
   if (unit != layout.columns.unit.value_or(layout.unit)) {
     notes.push_back("times are taken as " + NameOf(unit) + ", by their digits and distances");
   }
@@ -200,43 +157,7 @@ Trajectory ParseTable(const fs::path& path, const TrajectoryLines& lines, Trajec
   return InOrderOfTime(path, std::move(rows), notes);
 }
 
-/// KITTI: row n at n seconds.
-Trajectory ParseMatrices(const fs::path& path, const TrajectoryLines& lines,
-                         const TrajectoryLayout& layout, Oddities& oddities) {
-  Trajectory trajectory;
-  trajectory.reserve(lines.rows.size());
-  int64_t row = -1;
-  for (const TextLine& line : lines.rows) {
-    ++row;
-    const auto fields = SplitFields(line.text, layout.separator);
-    if (fields.size() < kKittiFields) {
-      throw Error(At(path, line) + ": " + std::to_string(fields.size()) + " fields, expected " +
-                  layout.description);
-    }
-    if (std::any_of(fields.begin(), fields.begin() + kKittiFields, IsNoValue)) {
-      oddities.no_pose.Add(line.number);
-      continue;
-    }
-    std::array<double, kKittiFields> v;
-    std::transform(fields.begin(), fields.begin() + kKittiFields, v.begin(),
-                   [&](std::string_view field) { return ParseField(path, line, field); });
-    const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(v.data());
-    const Eigen::Matrix3d rotation = matrix.leftCols<3>();
-    if (rotation.isZero(0.0)) {
-      oddities.zeros.Add(line.number);
-      continue;
-    }
-    if (!((rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() <= 0.01) ||
-        rotation.determinant() < 0.0) {
-      throw Error(At(path, line) + ": the first 3 x 3 numbers are not a rotation");
-    }
-    trajectory.push_back(
-        {row * kSecondNs, {Eigen::Quaterniond(rotation).normalized(), matrix.col(3)}});
-  }
-  return trajectory;
-}
-
-std::string Rows(const Oddities::Count& count, const char* one, const char* many) {
+std::string Rows(const TrajectoryOddities::Count& count, const char* one, const char* many) {
   return std::to_string(count.rows) + ' ' + (count.rows == 1 ? one : many) + " (first in line " +
          std::to_string(count.first_line) + ")";
 }
@@ -249,10 +170,10 @@ TrajectoryFile ParseTrajectory(std::string_view text, const fs::path& path) {
   TrajectoryLayout layout = LayoutOf(path, lines, file.notes);
   file.format = layout.format;
   file.rows = lines.rows.size();
-  Oddities oddities;
-  file.poses = layout.format == TrajectoryFormat::kKitti
-                   ? ParseMatrices(path, lines, layout, oddities)
-                   : ParseTable(path, lines, layout, oddities, file.notes);
+  TrajectoryOddities oddities;
+  file.is_numbered = layout.format == TrajectoryFormat::kKitti && layout.matrix_column == 1;
+  file.poses = layout.matrix_column ? ParseMatrices(path, lines, layout, oddities, file.notes)
+                                    : ParseTable(path, lines, layout, oddities, file.notes);
   if (file.poses.empty()) {
     throw Error(path.string() + ": a trajectory without a pose: " +
                 Rows(oddities.no_pose.rows > 0 ? oddities.no_pose : oddities.zeros, "row has",
@@ -272,11 +193,6 @@ TrajectoryFile ParseTrajectory(std::string_view text, const fs::path& path) {
                          " not of length 1: made so");
   }
   return file;
-}
-
-TrajectoryFormat RecognizeTrajectoryFormat(const fs::path& path) {
-  std::vector<std::string> notes;
-  return LayoutOf(path, SplitTrajectoryLines(ReadText(path), path), notes).format;
 }
 
 TrajectoryFile ReadTrajectoryFile(const fs::path& path) {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "gluevo/nn/error.h"
 
@@ -34,10 +35,36 @@ bool IsMatrix(const std::vector<std::string_view>& fields, std::size_t first) {
   return (rotation * rotation.transpose() - Eigen::Matrix3d::Identity()).norm() <= 0.01;
 }
 
-bool IsHomogeneous(const std::vector<std::string_view>& fields) {
-  return fields.size() == kMatrixFields && IsMatrix(fields, 0) && ParseNumber(fields[12]) == 0.0 &&
-         ParseNumber(fields[13]) == 0.0 && ParseNumber(fields[14]) == 0.0 &&
-         ParseNumber(fields[15]) == 1.0;
+/// Whether in all rows the numbers that TUM's form has there are of length 1, and no rotations of
+/// KITTI's: four columns more may follow.
+bool HaveQuaternions(const TrajectoryLines& lines) {
+  constexpr double kTolerance = 0.01;
+  return lines.rows.size() > 1 &&
+         std::all_of(lines.rows.begin(), lines.rows.end(), [](const TextLine& line) {
+           const auto fields = SplitFields(line.text, ' ');
+           Eigen::Vector4d quaternion = Eigen::Vector4d::Zero();
+           for (std::size_t i = 0; i < 4 && 4 + i < fields.size(); ++i) {
+             quaternion[static_cast<Eigen::Index>(i)] = ParseNumber(fields[4 + i]).value_or(0.0);
+           }
+           return std::abs(quaternion.norm() - 1.0) <= kTolerance && !IsMatrix(fields, 0);
+         });
+}
+
+bool IsHomogeneous(const std::vector<std::string_view>& fields, std::size_t first) {
+  const auto is = [&](std::size_t i, double value) {
+    return ParseNumber(fields[first + i]) == value;
+  };
+  return fields.size() == first + kMatrixFields && IsMatrix(fields, first) && is(12, 0.0) &&
+         is(13, 0.0) && is(14, 0.0) && is(15, 1.0);
+}
+
+/// Whether whole numbers that are too small for times stand first, as frames are counted.
+bool AreNumbered(const TrajectoryLines& lines, char separator) {
+  constexpr int64_t kMostFrames = 10'000'000;
+  return std::all_of(lines.rows.begin(), lines.rows.end(), [&](const TextLine& line) {
+    const std::optional<int64_t> number = ParseInteger(SplitFields(line.text, separator).front());
+    return number && *number >= 0 && *number < kMostFrames;
+  });
 }
 
 [[noreturn]] void ThrowNoTrajectory(const fs::path& path, const TextLine& line,
@@ -137,17 +164,20 @@ TrajectoryLayout LayoutOf(const fs::path& path, const TrajectoryLines& lines,
     return layout;
   }
   // Between commas 12 may also be EuRoC's eight and more.
-  if ((!between_commas && fields.size() == kKittiFields) ||
-      (fields.size() == kKittiFields && IsMatrix(fields, 0)) || IsHomogeneous(fields)) {
+  if ((!between_commas && fields.size() == kKittiFields && !HaveQuaternions(lines)) ||
+      (fields.size() == kKittiFields && IsMatrix(fields, 0)) || IsHomogeneous(fields, 0)) {
     layout.format = TrajectoryFormat::kKitti;
+    layout.matrix_column = 0;
     layout.description = "12: the rows of [R | t]";
     return layout;
   }
-  if ((fields.size() == kKittiFields + 1 || fields.size() == kMatrixFields + 1) &&
-      IsMatrix(fields, 1)) {
-    throw Error(At(path, first) +
-                ": a number and a matrix a row (as KITTI-360 writes poses), expected 12 numbers "
-                "(KITTI) or t x y z qx qy qz qw (TUM)");
+  if ((fields.size() == kKittiFields + 1 && IsMatrix(fields, 1)) || IsHomogeneous(fields, 1)) {
+    const bool numbered = AreNumbered(lines, layout.separator);
+    layout.format = numbered ? TrajectoryFormat::kKitti : TrajectoryFormat::kTum;
+    layout.matrix_column = 1;
+    layout.description = std::string(numbered ? "a frame's number" : "a time") +
+                         " and 12 numbers: the rows of [R | t]";
+    return layout;
   }
   if (lines.unknown_header) {
     CheckUnknownHeader(path, *lines.unknown_header, fields.size(), notes);

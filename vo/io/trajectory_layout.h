@@ -29,7 +29,10 @@ TrajectoryLines SplitTrajectoryLines(std::string_view text, const std::filesyste
 struct TrajectoryLayout {
   TrajectoryFormat format = TrajectoryFormat::kTum;
   char separator = ' ';
-  PoseColumns columns;                 ///< Not of a KITTI file.
+  PoseColumns columns;  ///< Of rows that hold no matrix.
+  /// The column where the matrix [R | t] begins: 0, or 1 behind a frame's number (kKitti) or a time
+  /// (kTum).
+  std::optional<std::size_t> matrix_column;
   TimeUnit unit = TimeUnit::kSeconds;  ///< Usual in such files.
   bool is_named = false;               ///< A header names the columns.
   std::string description;             ///< Of a row, for messages.

@@ -1,9 +1,12 @@
 // Trajectories whose rows have no times of their own (KITTI's).
 
 #include <algorithm>
+#include <utility>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/trajectory_file.h"
+#include "kitti_files.h"
+#include "stamp_unit.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -13,47 +16,79 @@ namespace fs = std::filesystem;
 
 constexpr int64_t kSecondNs = 1'000'000'000;
 
-// poses/NN.txt belongs to sequences/NN/times.txt in KITTI's layout.
+// poses/NN.txt belongs to sequences/NN/times.txt in KITTI's layout, data_poses/NN/poses.txt to the
+// images of data_2d_raw/NN in KITTI-360's.
 std::optional<fs::path> FindKittiTimes(const fs::path& path) {
-  const fs::path times =
-      fs::absolute(path).parent_path().parent_path() / "sequences" / path.stem() / "times.txt";
-  return fs::exists(times) ? std::optional(times) : std::nullopt;
+  const fs::path folder = fs::absolute(path).lexically_normal().parent_path();
+  const fs::path above = folder.parent_path();
+  for (const fs::path& times :
+       {above / "sequences" / path.stem() / "times.txt",
+        above.parent_path() / "data_2d_raw" / folder.filename() / "image_00" / "timestamps.txt"}) {
+    if (fs::exists(times)) {
+      return times;
+    }
+  }
+  return std::nullopt;
+}
+
+bool IsOfDates(const fs::path& times) {
+  const std::vector<TextLine> lines = ReadLines(times, /*skip_comments=*/true);
+  return !lines.empty() && ParseDateTime(lines.front().text).has_value();
+}
+
+std::size_t RowOf(const StampedPose& pose) {
+  return static_cast<std::size_t>(pose.timestamp_ns / kSecondNs);
 }
 
 }  // namespace
 
-void SetRowTimes(const std::vector<int64_t>& times_ns, TrajectoryFile& file) {
-  const auto row = [](const StampedPose& pose) {
-    return static_cast<std::size_t>(pose.timestamp_ns / kSecondNs);
-  };
-  std::erase_if(file.poses, [&](const StampedPose& pose) { return row(pose) >= times_ns.size(); });
+std::size_t SetRowTimes(const std::vector<std::optional<int64_t>>& times_ns, TrajectoryFile& file) {
+  const std::size_t left_out = std::erase_if(file.poses, [&](const StampedPose& pose) {
+    return RowOf(pose) >= times_ns.size() || !times_ns[RowOf(pose)];
+  });
   for (StampedPose& pose : file.poses) {
-    pose.timestamp_ns = times_ns[row(pose)];
+    pose.timestamp_ns = *times_ns[RowOf(pose)];
   }
+  return left_out;
 }
 
-TrajectoryFile ReadTrajectoryWithTimes(const fs::path& path, const std::optional<fs::path>& times) {
-  TrajectoryFile file = ReadTrajectoryFile(path);
+void AddRowTimes(const fs::path& path, const std::optional<fs::path>& times, TrajectoryFile& file) {
   if (file.format != TrajectoryFormat::kKitti) {
-    return file;
+    return;
   }
   const std::optional<fs::path> times_file = times ? times : FindKittiTimes(path);
   if (!times_file) {
     throw Error(path.string() +
                 ": a KITTI file has no times: name its times.txt (--times), or keep it as "
-                "poses/NN.txt beside sequences/NN/times.txt");
+                "poses/NN.txt beside sequences/NN/times.txt (KITTI-360: data_poses/NN/poses.txt "
+                "beside data_2d_raw/NN/image_00/timestamps.txt)");
   }
-  const std::vector<int64_t> times_ns = ReadTimes(*times_file);
-  if (file.rows != times_ns.size()) {
+  std::vector<std::optional<int64_t>> times_ns;
+  if (IsOfDates(*times_file)) {
+    times_ns = ReadTimestamps(*times_file);
+  } else {
+    const std::vector<int64_t> seconds = ReadTimes(*times_file);
+    times_ns.assign(seconds.begin(), seconds.end());
+  }
+  if (file.is_numbered && RowOf(file.poses.back()) >= times_ns.size()) {
+    throw Error(path.string() + ": a pose of frame " + std::to_string(RowOf(file.poses.back())) +
+                ", but " + times_file->string() + " has times of " +
+                std::to_string(times_ns.size()) + " frames");
+  }
+  if (!file.is_numbered && file.rows != times_ns.size()) {
     throw Error(path.string() + ": " + std::to_string(file.rows) + " poses for " +
                 std::to_string(times_ns.size()) + " times, expected as many");
   }
-  SetRowTimes(times_ns, file);
-  return file;
+  if (const std::size_t left_out = SetRowTimes(times_ns, file); left_out > 0) {
+    file.notes.push_back(std::to_string(left_out) + " poses have no time in " +
+                         times_file->string() + " and are left out");
+  }
 }
 
 Trajectory ReadTrajectory(const fs::path& path, const std::optional<fs::path>& times) {
-  return ReadTrajectoryWithTimes(path, times).poses;
+  TrajectoryFile file = ReadTrajectoryFile(path);
+  AddRowTimes(path, times, file);
+  return std::move(file.poses);
 }
 
 std::vector<int64_t> ReadTimes(const fs::path& path) {

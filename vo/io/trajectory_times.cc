@@ -76,7 +76,7 @@ std::string NameOf(TimeUnit unit) {
   return "nanoseconds";
 }
 
-TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual) {
+TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual, bool is_named) {
   std::vector<double> values;
   values.reserve(times.size());
   double largest = 0.0;
@@ -96,14 +96,14 @@ TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usu
     return fractions ? TimeUnit::kSeconds : usual;
   }
   constexpr double kLongestOfFractions = 1000.0;
-  if (fractions && *step <= kLongestOfFractions) {
-    return TimeUnit::kSeconds;
-  }
   constexpr double kShortest = 1e-4;
   constexpr double kLongest = 10.0;
   const auto possible = [&](TimeUnit unit) {
     return Seconds(*step, unit) >= kShortest && Seconds(*step, unit) <= kLongest;
   };
+  if (fractions && *step <= kLongestOfFractions && !(is_named && possible(usual))) {
+    return TimeUnit::kSeconds;
+  }
   if (possible(usual)) {
     return usual;
   }

@@ -16,8 +16,10 @@ std::string NameOf(TimeUnit unit);
 /// The unit of a column of times, in the order of the file: by the number of digits where they
 /// count from 1970; else `usual`, unless the median step would then be no time between poses (0.1
 /// ms to 10 s) and is one in another unit. Times with fractions stay in seconds up to steps of
-/// 1000 s. What is no number is passed over.
-TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual);
+/// 1000 s, unless a header names the usual unit (`is_named`) and it is possible. What is no number
+/// is passed over.
+TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual,
+                        bool is_named = false);
 
 /// A pose and the line it stands in.
 struct PoseRow {

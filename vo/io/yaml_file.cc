@@ -103,8 +103,11 @@ Rigid3 RigidFromRows(const std::vector<double>& numbers, const std::string& key,
     throw Error(path.string() + ": " + key + " has " + std::to_string(numbers.size()) +
                 " numbers, expected a 4 x 4 matrix");
   }
+  constexpr double kRounding = 1e-9;
   const std::array<double, 4> last_row = {0.0, 0.0, 0.0, 1.0};
-  if (numbers.size() == 16 && !std::equal(last_row.begin(), last_row.end(), numbers.begin() + 12)) {
+  if (numbers.size() == 16 &&
+      !std::equal(last_row.begin(), last_row.end(), numbers.begin() + 12,
+                  [&](double a, double b) { return std::abs(a - b) <= kRounding; })) {
     throw Error(path.string() + ": the last row of " + key + " is not 0 0 0 1");
   }
   const Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>> matrix(numbers.data());

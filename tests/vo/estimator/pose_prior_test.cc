@@ -50,7 +50,7 @@ TEST(PosePriorFactor, JacobiansMatchCentralDifferences) {
     x.emplace_back(moved.begin(), moved.end());
   }
   x.push_back({0.1, -0.2, 0.3});
-  const PosePriorFactor factor(prior, prior.body_from_right * ExpSo3({0.01, 0.02, -0.03}));
+  const PosePriorFactor factor(prior, {-0.01, -0.02, 0.03});
 
   const auto residuals = [&] {
     Eigen::VectorXd r(factor.num_residuals());
@@ -104,7 +104,7 @@ TEST(PosePriorFactor, JacobiansMatchCentralDifferences) {
 TEST(PosePrior, ItsResidualAtTheLinearizationPointIsItsConstant) {
   std::mt19937_64 generator(2);
   const PosePrior prior = RandomPrior(generator, {0, 1});
-  const PosePriorFactor factor(prior, prior.body_from_right);
+  const PosePriorFactor factor(prior, Eigen::Vector3d::Zero());
   const PoseParameters pose0 = ToParameters(prior.world_from_body[0]);
   const PoseParameters pose1 = ToParameters(prior.world_from_body[1]);
   const Eigen::Vector3d no_turn = Eigen::Vector3d::Zero();
@@ -128,9 +128,15 @@ TEST(Marginalizer, EliminationLeavesTheSolutionOfTheRest) {
   const Eigen::VectorXd delta = RandomMatrix(generator, columns, 1);
   const Eigen::VectorXd residual = RandomMatrix(generator, 40, 1);
 
-  Marginalizer marginalizer(frame_ids, before.world_from_body, before.body_from_right);
+  Marginalizer marginalizer(before);
   marginalizer.AddPrior(before);
-  marginalizer.AddLandmark(by_state, by_landmark, residual, delta);
+  // What is orthogonal to the landmark's own derivatives.
+  const Eigen::MatrixXd rest =
+      Eigen::MatrixXd::Identity(40, 40) -
+      by_landmark * (by_landmark.transpose() * by_landmark).inverse() * by_landmark.transpose();
+  const Eigen::MatrixXd hessian_of_rest = by_state.transpose() * rest * by_state;
+  marginalizer.Add(hessian_of_rest.triangularView<Eigen::Lower>(),
+                   by_state.transpose() * rest * residual, delta);
   const PosePrior after = marginalizer.Eliminate(5);
   EXPECT_EQ(after.frame_ids, (std::vector<int64_t>{2, 9}));
   EXPECT_EQ(after.world_from_body[1].translation, before.world_from_body[2].translation);
@@ -157,18 +163,20 @@ TEST(Marginalizer, EliminationLeavesTheSolutionOfTheRest) {
             1e-8 * of_first.norm());
 }
 
-TEST(Marginalizer, ALandmarkWithoutDepthSaysLess) {
-  // All derivatives by the third coordinate are zero: two dimensions of 8 are used up, 6 remain.
+TEST(Marginalizer, WhatIsKnownInPartStaysSo) {
+  // Six directions of 15 are measured, and a pose goes: it takes them all. Twelve: six remain.
   std::mt19937_64 generator(4);
   const PosePrior frames = RandomPrior(generator, {0, 1});
-  Eigen::Matrix<double, Eigen::Dynamic, 3> by_landmark = RandomMatrix(generator, 8, 3);
-  by_landmark.col(2).setZero();
-  Marginalizer marginalizer(frames.frame_ids, frames.world_from_body, frames.body_from_right);
-  marginalizer.AddLandmark(RandomMatrix(generator, 8, 15), by_landmark,
-                           RandomMatrix(generator, 8, 1), Eigen::VectorXd::Zero(15));
-  EXPECT_EQ(marginalizer.Eliminate(0).jacobian.rows(), 0);  // 6 rows, all used up by the pose
-  marginalizer.AddLandmark(RandomMatrix(generator, 8, 15), by_landmark,
-                           RandomMatrix(generator, 8, 1), Eigen::VectorXd::Zero(15));
+  Marginalizer marginalizer(frames);
+  const auto add = [&] {
+    const Eigen::MatrixXd by_state = RandomMatrix(generator, 6, 15);
+    marginalizer.Add(by_state.transpose() * by_state,
+                     by_state.transpose() * RandomMatrix(generator, 6, 1),
+                     Eigen::VectorXd::Zero(15));
+  };
+  add();
+  EXPECT_EQ(marginalizer.Eliminate(0).jacobian.rows(), 0);
+  add();
   EXPECT_EQ(marginalizer.Eliminate(0).jacobian.rows(), 6);
 }
 

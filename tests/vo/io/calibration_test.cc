@@ -14,6 +14,7 @@
 
 #include "calibration_forms.h"
 #include "gluevo/nn/error.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -103,17 +104,6 @@ Calibration Parse(const Files& files, const std::vector<std::string>& named,
   input.open = [&](const fs::path& path) { return OpenIn(files, path); };
   input.image_size = size;
   return ParseCalibration(input);
-}
-
-std::string MessageOf(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    const std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  return "no error";
 }
 
 std::string ErrorOf(const Files& files, const std::vector<std::string>& named,
@@ -395,8 +385,7 @@ TEST(CalibrationTest, Basalt) {
   ExpectContains(MessageOf([&] { with("cubemap", ""); }), {"b.json", "cubemap", "Basalt"});
 }
 
-TEST(CalibrationTest, RosCameraInfo) {
-  const Rectified rectified = Rectify();
+Files RosFiles(const Rectified& rectified) {
   const auto field = [](const std::string& name, const auto& matrix) {
     return name + ":\n  rows: " + std::to_string(matrix.rows()) +
            "\n  cols: " + std::to_string(matrix.cols()) + "\n  data: [" + Numbers(matrix) + "]\n";
@@ -408,8 +397,13 @@ TEST(CalibrationTest, RosCameraInfo) {
            field("distortion_coefficients", (Eigen::RowVectorXd(5) << kLens, 0.0).finished()) +
            field("rectification_matrix", rotation) + field("projection_matrix", projection);
   };
-  Files files = {{"left.yaml", info(kLeftMatrix, rectified.left, rectified.left_projection)},
-                 {"right.yaml", info(kRightMatrix, rectified.right, rectified.right_projection)}};
+  return {{"left.yaml", info(kLeftMatrix, rectified.left, rectified.left_projection)},
+          {"right.yaml", info(kRightMatrix, rectified.right, rectified.right_projection)}};
+}
+
+TEST(CalibrationTest, RosCameraInfo) {
+  const Rectified rectified = Rectify();
+  Files files = RosFiles(rectified);
   for (const std::vector<std::string>& named : {std::vector<std::string>{"left.yaml"},
                                                 {"right.yaml"},
                                                 {"left.yaml", "right.yaml"},
@@ -599,6 +593,41 @@ TEST(CalibrationTest, WhatCannotBeIsRefused) {
   ExpectContains(ErrorOf(chain(pose), {"c.yaml"}), {"a baseline of 0.00011"});
   ExpectContains(ErrorOf(chain(kRightFromLeft.Inverse()), {"c.yaml"}),
                  {"c.yaml", "to the left of the left one", "inverted", "exchanged"});
+}
+
+TEST(CalibrationTest, ASecondFileWhereOneHoldsAllIsRefused) {
+  const std::string chain = Chain("", "  T_cn_cnm1: " + Rows(kRightFromLeft) + "\n");
+  const Files files = {{"a.yaml", chain}, {"b.yaml", chain}, {"imu.yaml", "rate: 200\n"}};
+  ExpectContains(ErrorOf(files, {"a.yaml", "b.yaml"}),
+                 {"b.yaml: a second calibration beside a.yaml"});
+  const Calibration calibration = Parse(files, {"a.yaml", "imu.yaml"});
+  EXPECT_EQ(calibration.files, (std::vector<fs::path>{"a.yaml"}));
+  ExpectContains(Joined(calibration.notes), {"imu.yaml: not used"});
+}
+
+TEST(CalibrationTest, NumbersAtTheEndOfNamesTellNoSide) {
+  const Files cameras = RosFiles(Rectify());
+  const Files files = {{"17496931.yaml", cameras.at("left.yaml")},
+                       {"17496930.yaml", cameras.at("right.yaml")}};
+  EXPECT_EQ(Parse(files, {"17496931.yaml", "17496930.yaml"}).rig.cameras[0].fx, 458.0);
+  const Files words = {{"./right.yaml", cameras.at("right.yaml")},
+                       {"left.yaml", cameras.at("left.yaml")}};
+  EXPECT_EQ(Parse(words, {"./right.yaml", "left.yaml"}).rig.cameras[0].fx, 458.0);
+}
+
+TEST(CalibrationTest, SkewIsRefusedAndFourCoefficientsAreNoted) {
+  Eigen::Matrix3d skewed = kLeftMatrix;
+  skewed(0, 1) = 1.5;
+  const auto file = [](const Eigen::Matrix3d& left) {
+    return "%YAML:1.0\n---\n" + OpenCv("K1", left) + OpenCv("D1", kLens) +
+           OpenCv("K2", kRightMatrix) + OpenCv("D2", kLens) +
+           OpenCv("R", kRightFromLeft.rotation.toRotationMatrix()) +
+           OpenCv("T", kRightFromLeft.translation);
+  };
+  const std::array<int, 2> size = {752, 480};
+  ExpectContains(ErrorOf({{"s.yaml", file(skewed)}}, {"s.yaml"}, size), {"K1", "skew of 1.5"});
+  const Calibration calibration = Parse({{"s.yaml", file(kLeftMatrix)}}, {"s.yaml"}, size);
+  ExpectContains(Joined(calibration.notes), {"k1 k2 p1 p2", "fisheye"});
 }
 
 TEST(CalibrationTest, LineEndsOfOldMacs) {

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/trajectory_file.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -51,16 +53,6 @@ class DatasetTest : public testing::Test {
   /// The message of the Error that opening throws, which must be one line.
   static std::string ErrorOf(const fs::path& path, const DatasetOptions& options = {}) {
     return MessageOf([&] { OpenDataset(path, options); });
-  }
-  static std::string MessageOf(const std::function<void()>& action) {
-    try {
-      action();
-    } catch (const Error& error) {
-      const std::string message = error.what();
-      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-      return message;
-    }
-    return "no error";
   }
   static void ExpectContains(const std::string& message, const std::vector<std::string>& parts) {
     for (const std::string& part : parts) {
@@ -370,6 +362,49 @@ TEST_F(DatasetTest, ReadsKitti360) {
   ASSERT_EQ(dataset.entries.size(), 2U);
   EXPECT_EQ(dataset.entries[1].timestamp_ns, 103000000);
   EXPECT_NEAR(dataset.rig.baseline(), 0.6, 1e-12);
+
+  // Its own poses are numbered, and not of every frame.
+  const fs::path poses = folder() / "kitti_360" / "data_poses" / "drive_sync" / "poses.txt";
+  WriteText(poses, "1 1 0 0 5 0 1 0 6 0 0 1 7\n");
+  const Dataset with_truth = OpenDataset(drive, {.groundtruth = poses});
+  ASSERT_TRUE(with_truth.groundtruth.has_value());
+  ASSERT_EQ(with_truth.groundtruth->size(), 1U);
+  EXPECT_EQ(with_truth.groundtruth->front().timestamp_ns, 103000000);
+  ExpectContains(with_truth.warnings.back(), {"cam0_to_world.txt"});
+  EXPECT_EQ(ReadTrajectory(poses).front().timestamp_ns, 103000000);
+  // Rows of times may be blank.
+  for (const char* const camera : {"image_00", "image_01"}) {
+    WriteImage(drive / camera / "data_rect" / "0000000003.png", 10);
+    WriteText(drive / camera / "timestamps.txt",
+              "2013-05-28 08:46:02.100\n2013-05-28 08:46:02.203\n\n2013-05-28 08:46:02.400\n");
+  }
+  WriteText(poses,
+            "1 1 0 0 5 0 1 0 6 0 0 1 7\n2 1 0 0 5 0 1 0 6 0 0 1 7\n3 1 0 0 8 0 1 0 6 0 0 1 7\n");
+  for (const Trajectory& truth :
+       {*OpenDataset(drive, {.groundtruth = poses}).groundtruth, ReadTrajectory(poses)}) {
+    ASSERT_EQ(truth.size(), 2U);
+    EXPECT_EQ(truth[1].timestamp_ns, 300000000);
+    EXPECT_EQ(truth[1].world_from_body.translation.x(), 8.0);
+  }
+  WriteText(poses, "7 1 0 0 5 0 1 0 6 0 0 1 7\n");
+  ExpectContains(MessageOf([&] { ReadTrajectory(poses); }),
+                 {"poses.txt", "frame 7", "times of 4 frames"});
+  ExpectContains(ErrorOf(drive, {.groundtruth = poses}),
+                 {"no pose of the data set's frames 0 to 3"});
+}
+
+TEST_F(DatasetTest, CamerasOfAnotherCalibrationAreWhereTheDataSetHasThem) {
+  const fs::path euroc = MakeEuroc();
+  const Dataset own = OpenDataset(euroc, {});
+  WriteText(folder() / "stereo.yaml",
+            "image_width: 32\nimage_height: 24\nK1: [20, 0, 16, 0, 20, 12, 0, 0, 1]\n"
+            "K2: [20, 0, 16, 0, 20, 12, 0, 0, 1]\nD1: [0, 0, 0, 0, 0]\nD2: [0, 0, 0, 0, 0]\n"
+            "R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [-0.1, 0, 0]\n");
+  const Dataset dataset = OpenDataset(euroc, {.calibration = folder() / "stereo.yaml"});
+  EXPECT_EQ(dataset.rig.body_frame, own.rig.body_frame);
+  EXPECT_TRUE(dataset.rig.body_from_cam[0].Matrix().isApprox(own.rig.body_from_cam[0].Matrix()));
+  EXPECT_TRUE(
+      dataset.rig.right_from_left().translation.isApprox(Eigen::Vector3d(-0.1, 0.0, 0.0), 1e-9));
 }
 
 TEST_F(DatasetTest, WarnsOfTheFileOfTheCameraThatIsMeant) {

@@ -90,14 +90,16 @@ TEST_F(ForeignInputTest, OneCalibrationForTwo) {
       "rectification_matrix: {rows: 3, cols: 3, data: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n"
       "projection_matrix: {rows: 3, cols: 4, data: [20, 0, 16, 0, 0, 20, 12, 0, 0, 0, 1, 0]}\n";
   const fs::path left = Write("left.yaml", info);
-  ExpectError([&] { ReadCalibration({left}, std::nullopt); }, "right.yaml of the other one: name both files");
+  ExpectError([&] { ReadCalibration({left}, std::nullopt); },
+              "right.yaml of the other one: name both files");
   ExpectError(
       [&] {
         ReadCalibration({left, folder() / "." / "left.yaml"}, std::nullopt);
       },
       "the same file twice");
   Write("right.yaml", "something: else\n");
-  ExpectError([&] { ReadCalibration({left}, std::nullopt); }, "right.yaml beside it is not the other one's");
+  ExpectError([&] { ReadCalibration({left}, std::nullopt); },
+              "right.yaml beside it is not the other one's");
 }
 
 }  // namespace

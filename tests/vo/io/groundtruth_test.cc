@@ -57,7 +57,7 @@ TEST_F(GroundtruthTest, RowsBelongToTheFrames) {
 TEST_F(GroundtruthTest, RowsBelongToTimesOfTheSequence) {
   for (const int rows : {2, 3, 5}) {
     Dataset dataset = ThreeFrames();
-    AddGroundtruth({}, {"nowhere", Write(Rows(rows))}, {10, 20, 30}, dataset);
+    AddGroundtruth({}, {"nowhere", Write(Rows(rows))}, {{10, 20, 30}, {}}, dataset);
     ASSERT_TRUE(dataset.groundtruth);
     EXPECT_EQ(dataset.groundtruth->size(), std::min<std::size_t>(3, rows));
     EXPECT_EQ(dataset.groundtruth->at(1).timestamp_ns, 20);
@@ -67,6 +67,18 @@ TEST_F(GroundtruthTest, RowsBelongToTimesOfTheSequence) {
           << dataset.warnings[0];
     }
   }
+}
+
+TEST_F(GroundtruthTest, NumberedRowsBelongToFrames) {
+  Dataset dataset = ThreeFrames();
+  const fs::path truth = Write("1 1 0 0 4 0 1 0 0 0 0 1 0\n7 1 0 0 5 0 1 0 0 0 0 1 0\n");
+  AddGroundtruth({}, {truth}, {}, dataset);
+  ASSERT_EQ(dataset.groundtruth->size(), 1U);
+  EXPECT_EQ(dataset.groundtruth->front().timestamp_ns, 7);
+  AddGroundtruth({}, {truth}, {{}, {10, 20, 30, 40, 50, 60, 70, 80}}, dataset);
+  ASSERT_EQ(dataset.groundtruth->size(), 2U);
+  EXPECT_EQ(dataset.groundtruth->back().timestamp_ns, 80);
+  EXPECT_EQ(dataset.groundtruth->back().world_from_body.translation.x(), 5.0);
 }
 
 TEST_F(GroundtruthTest, WhatNobodyNamedStopsNothing) {

@@ -161,6 +161,19 @@ TEST_F(ImageFileTest, FindsTheBitsThat16BitFilesUse) {
   EXPECT_EQ(ReadGrayImage(Path("8.png"), 10).pixels.at<unsigned char>(0, 0), 255);
 }
 
+// A file of this kind fails when it is read, as one on a bad sector does.
+TEST_F(ImageFileTest, AFileWhoseBytesCannotBeReadIsNamed) {
+  const fs::path image = Path("bad.png");
+  fs::create_symlink("/proc/self/mem", image);
+  try {
+    ReadGrayImage(image);
+    FAIL() << "no Error";
+  } catch (const Error& error) {
+    EXPECT_EQ(std::string(error.what()), image.string() + ": cannot be read: Input/output error");
+  }
+  EXPECT_EQ(ImageOrientation(image), 1);
+}
+
 TEST_F(ImageFileTest, ListsFoldersWithLinksAndWithoutHiddenFiles) {
   const Bytes png = Encoded(".png");
   Write("set/b.PNG", png);

@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "gluevo/nn/error.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -33,13 +34,8 @@ TEST(OutputDirectory, RefusesAFileInItsPlaceOrAboveIt) {
 
 TEST(OutputDirectory, SaysWhyANameIsNone) {
   const TemporaryFolder folder;
-  const auto error_of = [](const fs::path& path) -> std::string {
-    try {
-      MakeOutputDirectory(path);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+  const auto error_of = [](const fs::path& path) {
+    return MessageOf([&] { MakeOutputDirectory(path); });
   };
   EXPECT_EQ(error_of(""), "the folder for output has no name");
   fs::create_symlink("nowhere", folder.path() / "link");

@@ -10,6 +10,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/dataset.h"
+#include "message_of.h"
 #include "temporary_folder.h"
 
 namespace gluevo::vo {
@@ -68,12 +69,7 @@ class PlainDatasetTest : public testing::Test {
     return TimesOf(Open());
   }
   std::string ErrorOf(const DatasetOptions& options = {}) const {
-    try {
-      Open(options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "no error";
+    return MessageOf([&] { Open(options); });
   }
   static std::string All(const std::vector<std::string>& sentences) {
     std::string all;
@@ -155,6 +151,13 @@ TEST_F(PlainDatasetTest, ReadsDatesInNames) {
   // When the recording began, and a number: no times.
   const Names numbered = {"20230501_120059_00001.png", "20230501_120059_00002.png"};
   EXPECT_EQ(TimesOf(numbered), (Times{0, kSecond / 10}));
+}
+
+TEST_F(PlainDatasetTest, CountersBehindDatesAreNoPartsOfSeconds) {
+  const Names names = {"20230501_120050_0000.png", "20230501_120050_0001.png",
+                       "20230501_120051_0002.png", "20230501_120051_0003.png"};
+  Make(names, names);
+  ExpectHas(All(Open().warnings), {"10 images a second are assumed"});
 }
 
 TEST_F(PlainDatasetTest, NumbersKeepTheirTimes) {
@@ -292,6 +295,58 @@ TEST_F(PlainDatasetTest, FindsTimesByTheImagesThatTheyName) {
   WriteText(root() / "exposures.txt", "1.5 2\n1.75 3\n");
   EXPECT_EQ(TimesOf(Open()), (Times{0, kSecond / 10}));
   ExpectHas(All(Open().warnings), {"whose name has \"time\" or \"stamp\""});
+}
+
+TEST_F(PlainDatasetTest, TimesFilesMayNumberTheirRowsWithGaps) {
+  const Names names = {"000000.png", "000002.png", "000004.png"};
+  Make(names, names);
+  WriteText(root() / "times.txt", "0 0.0 0.01\n2 0.2 0.01\n4 0.41 0.01\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{0, 200'000'000, 410'000'000}));
+  // Times, and numbers behind them.
+  WriteText(root() / "times.txt", "1000 0\n1033 2\n1066 4\n");
+  EXPECT_EQ(TimesOf(Open())[1] - TimesOf(Open())[0], 33'000'000);
+}
+
+TEST_F(PlainDatasetTest, TimesFilesMayNameTheImagesOfBothFolders) {
+  const Names names = {"000000.png", "000001.png"};
+  Make(names, names);
+  WriteText(root() / "times.txt",
+            "0.00 left/000000.png\n0.10 left/000001.png\n"
+            "0.03 right/000000.png\n0.13 right/000001.png\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{0, 100'000'000}));
+  WriteText(root() / "times.txt", "0.00 000000.png\n0.03 000000.png\n0.10 000001.png\n");
+  ExpectHas(ErrorOf(), {"times.txt: two times for", "000000.png"});
+}
+
+TEST_F(PlainDatasetTest, WhatOnlySoundsLikeTimesIsNone) {
+  const Names names = {"000000.png", "000001.png", "000002.png"};
+  Make(names, names);
+  WriteText(root() / "runtime.csv", "0.5\n0.6\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{0, 100'000'000, 200'000'000}));
+  // More times than images, which count from 1.
+  const Names from_one = {"1.png", "2.png"};
+  Make(from_one, from_one);
+  WriteText(root() / "times.txt", "0\n0.1\n0.2\n0.3\n");
+  ExpectHas(All(Open().warnings), {"4 times for 2 images", "counted from 0"});
+}
+
+TEST_F(PlainDatasetTest, AFolderOfDataWithoutImagesIsPassedOver) {
+  const Names names = {"000000.png", "000001.png"};
+  Make(names, names);
+  fs::create_directories(root() / "left" / "data");
+  EXPECT_EQ(Open().entries.size(), 2U);
+  // EuRoC's list without its folder.
+  Make(names, names, "cam0", "cam1");
+  WriteText(root() / "cam0" / "data.csv",
+            "#timestamp [ns],filename\n0,000000.png\n50000000,000001.png\n");
+  EXPECT_EQ(TimesOf(Open()), (Times{0, 50'000'000}));
+}
+
+TEST_F(PlainDatasetTest, EachCamerasImagesHaveItsSize) {
+  const Names names = {"000000.png"};
+  Make(names, names);
+  cv::imwrite((root() / "right" / names[0]).string(), cv::Mat(20, 32, CV_8UC1, cv::Scalar(9)));
+  ExpectHas(ErrorOf(), {"right/000000.png", "32 x 20", "expected 32 x 24"});
 }
 
 TEST_F(PlainDatasetTest, NamesWhatIsWrongWithTimesFiles) {

@@ -46,6 +46,16 @@ TEST(TextFileTest, TablesBeginWithTheirFirstNumber) {
   EXPECT_TRUE(rows("").empty());
 }
 
+// It opens, and reading it fails, as a file on a bad sector does.
+TEST(TextFileTest, AFileWhoseBytesCannotBeReadIsNamed) {
+  try {
+    ReadText("/proc/self/mem");
+    FAIL() << "no Error";
+  } catch (const Error& error) {
+    EXPECT_STREQ(error.what(), "/proc/self/mem: cannot be read: Input/output error");
+  }
+}
+
 TEST(TextFileTest, OtherEncodingsAreNamed) {
   const auto message = [](const std::string& text) -> std::string {
     try {

@@ -242,5 +242,61 @@ TEST(TrajectoryFormsTest, MatricesMayHaveTheirLastRow) {
   EXPECT_EQ(Parse("1,0,0,5,0,1,0,6,0,0,1,7\n").format, TrajectoryFormat::kKitti);
 }
 
+constexpr const char* kMatrix = " -0.28 -0.96 0 1 0.96 -0.28 0 2 0 0 1 3";
+
+TEST(TrajectoryFormsTest, MatricesStandBehindNumbersOfFrames) {
+  for (const std::string rest : {"", " 0 0 0 1"}) {
+    const TrajectoryFile file = Parse("2" + (kMatrix + rest) + "\n7" + (kMatrix + rest) + "\n");
+    EXPECT_EQ(file.format, TrajectoryFormat::kKitti);
+    EXPECT_TRUE(file.is_numbered);
+    ASSERT_EQ(file.poses.size(), 2U);
+    ExpectPose(file, 2'000'000'000);
+    EXPECT_EQ(file.poses[1].timestamp_ns, 7'000'000'000);
+  }
+}
+
+TEST(TrajectoryFormsTest, MatricesStandBehindTimes) {
+  for (const std::string time : {"1403715273.262142976", "1403715273262142976"}) {
+    const TrajectoryFile file = Parse(time + kMatrix + "\n");
+    EXPECT_EQ(file.format, TrajectoryFormat::kTum);
+    EXPECT_FALSE(file.is_numbered);
+    ExpectPose(file, kTime);
+  }
+}
+
+TEST(TrajectoryFormsTest, NumberedRowsTakeTheTimesOfTheirFrames) {
+  TrajectoryFile file = Parse("1" + std::string(kMatrix) + "\n3" + kMatrix + "\n");
+  SetRowTimes({10, 20, 30}, file);
+  ASSERT_EQ(file.poses.size(), 1U);
+  ExpectPose(file, 20);
+}
+
+TEST(TrajectoryFormsTest, MatricesOfAKilledTrackerAreReadUpToTheLastWholeOne) {
+  const TrajectoryFile file = Parse(std::string(kMatrix) + "\n" + kMatrix + "\n0.28 -0.96 0 1 0.9");
+  EXPECT_EQ(file.poses.size(), 2U);
+  EXPECT_EQ(OnlyNote(file), "the last row (line 3) is cut off: left out");
+  const TrajectoryFile lost = Parse("1.5" + std::string(kMatrix) + "\n1.6 lost\n1.7" + kMatrix);
+  EXPECT_EQ(lost.poses.size(), 2U);
+  EXPECT_NE(OnlyNote(lost).find("1 row (first in line 2)"), std::string::npos);
+}
+
+TEST(TrajectoryFormsTest, FourColumnsMoreMakeNoMatrix) {
+  const TrajectoryFile file =
+      Parse("1.5 1 2 3 0 0 0.8 0.6 7 7 7 7\n1.6 1 2 3 0 0 0.8 0.6 7 7 7 7\n");
+  EXPECT_EQ(file.format, TrajectoryFormat::kTum);
+  ExpectPose(file, 1'500'000'000);
+}
+
+TEST(TrajectoryFormsTest, UnitsOfHeadersGoBeforeFractions) {
+  const TrajectoryFile file = Parse(
+      "timestamp "
+      "[ms],x,y,z,qx,qy,qz,qw\n33.333333,1,2,3,0,0,0.8,0.6\n66.666667,1,2,3,0,0,0.8,0.6\n");
+  ExpectPose(file, 33'333'333);
+  // EuRoC's header over TUM's seconds.
+  ExpectPose(Parse("#timestamp [ns],x,y,z,qx,qy,qz,qw\n33.35,1,2,3,0,0,0.8,0.6\n"
+                   "33.40,1,2,3,0,0,0.8,0.6\n"),
+             33'350'000'000);
+}
+
 }  // namespace
 }  // namespace gluevo::vo

@@ -50,19 +50,19 @@ Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
 /// poses are eliminated.
 class Marginalizer {
  public:
-  /// All poses that measurements speak of: their ids (increasing) and linearisation points.
-  Marginalizer(std::vector<int64_t> frame_ids, std::vector<Rigid3> linearization_points,
-               const Eigen::Quaterniond& body_from_right_at_linearization);
+  /// All poses that measurements speak of (frame_ids, world_from_body) and the right camera's
+  /// orientation, at the linearisation point. Rows that there are do not count.
+  explicit Marginalizer(PosePrior linearization);
+  const PosePrior& linearization() const { return state_; }
 
   /// A prior over some of the poses, with the same linearisation points.
   void AddPrior(const PosePrior& prior);
 
-  /// All residuals of one landmark, which is eliminated at once. Rows as many as residuals,
-  /// columns: `by_state` 6 * frames + 3. `residual` is that at the present state, `delta` the
-  /// present state's distance from the linearisation point.
-  void AddLandmark(const Eigen::MatrixXd& by_state,
-                   const Eigen::Matrix<double, Eigen::Dynamic, 3>& by_landmark,
-                   const Eigen::VectorXd& residual, const Eigen::VectorXd& delta);
+  /// Measurements by J^T J (its lower triangle) and J^T r: J in the columns of PosePrior, those of
+  /// the turn perhaps left out, r at the present state, which is `delta` away from the
+  /// linearisation point.
+  void Add(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
+           const Eigen::VectorXd& delta);
 
   /// The prior on the poses that remain when `frame_id` is eliminated.
   PosePrior Eliminate(int64_t frame_id) const;

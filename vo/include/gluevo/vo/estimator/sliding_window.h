@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <unordered_map>
 #include <vector>
@@ -19,6 +20,8 @@
 
 namespace gluevo::vo {
 
+struct WindowProblem;
+
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
 /// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
 /// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
@@ -26,6 +29,9 @@ namespace gluevo::vo {
 class SlidingWindow {
  public:
   SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options);
+  ~SlidingWindow();
+  SlidingWindow(SlidingWindow&&) noexcept;
+  SlidingWindow& operator=(SlidingWindow&&) noexcept;
 
   bool empty() const { return frames_.empty(); }
   /// The rig with the right camera's refined orientation.
@@ -85,8 +91,7 @@ class SlidingWindow {
     int observations = 1;  // dropped views included
   };
   using Landmarks = std::map<int64_t, Landmark>;
-  struct Linearization;
-  class Adjustment;
+  struct Workspace;
 
   std::size_t FrameIndex(int64_t frame_id) const;
   const Frame& FrameOf(const LandmarkView& view) const {
@@ -103,13 +108,19 @@ class SlidingWindow {
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
+  /// Sets the workspace's problem to one of all frames, without points and prior.
+  void StartProblem();
+  void AddPriorToProblem();
+  static bool IsAdjusted(const Landmark& landmark);
+  void AddToProblem(const Landmark& landmark);
+  /// Takes over what came out of bundle adjustment.
+  void TakeOver(const WindowProblem& problem);
   /// Puts into the prior what the landmarks say that are anchored in the oldest frame and no longer
   /// tracked, and removes them. Those that are tracked on keep their other views and so must not
   /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
   void MarginalizeOldest();
-  Linearization LinearizeAt(const PosePrior& prior) const;
-  void AddToMarginalizer(const Landmark& landmark, const Linearization& at,
-                         Marginalizer& marginalizer) const;
+  bool LeavesWithOldest(const Landmark& landmark) const;
+  void AddProblemTo(Marginalizer& marginalizer);
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
@@ -120,6 +131,7 @@ class SlidingWindow {
   Landmarks landmarks_;  // by a number of their own: a track may have had several
   std::unordered_map<int64_t, int64_t> landmark_of_track_;
   std::optional<PosePrior> prior_;
+  std::unique_ptr<Workspace> workspace_;
   int64_t next_frame_id_ = 0;
   int64_t next_landmark_id_ = 0;
 };

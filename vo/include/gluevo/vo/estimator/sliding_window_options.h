@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "gluevo/vo/geometry/triangulation.h"
 
 namespace gluevo::vo {
@@ -16,6 +18,10 @@ struct SlidingWindowOptions {
   double huber = 1.0;
   /// Limit of the solver. By count and never by time, so that results repeat.
   int max_iterations = 8;
+  /// An iteration that lowers the cost by less than this share of it is the last.
+  double least_decrease = 1e-6;
+  /// What solves: "gluevo", or "ceres" for comparison, which is several times slower.
+  std::string solver = "gluevo";
   /// Landmarks with a larger mean reprojection error (both cameras, pixels of kReferenceFocalPx)
   /// are dropped.
   double max_mean_error_px = 3.0;

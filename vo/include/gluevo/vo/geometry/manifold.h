@@ -14,6 +14,10 @@ Eigen::Quaterniond ExpSo3(const Eigen::Vector3d& rotation_vector);
 /// Its inverse, of length at most pi.
 Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation);
 
+/// d Log(exp(v) exp(d)) / d d at d = 0: the inverse of the right Jacobian of SO(3) (Forster et al.
+/// 2017, eq. 8 and following).
+Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& rotation_vector);
+
 /// A small motion of a pose: dp (world frame, metres), then dtheta (body frame, radians).
 inline constexpr int kPoseTangentSize = 6;
 using PoseTangent = Eigen::Matrix<double, kPoseTangentSize, 1>;

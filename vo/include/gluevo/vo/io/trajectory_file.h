@@ -13,25 +13,23 @@
 namespace gluevo::vo {
 
 enum class TrajectoryFormat {
-  kTum,    ///< A table between blanks, by default "t x y z qx qy qz qw" in seconds.
+  kTum,  ///< A table between blanks, by default "t x y z qx qy qz qw" in seconds, or t and [R | t].
   kEuroc,  ///< A table between commas or semicolons, by default "t[ns],x,y,z,qw,qx,qy,qz[,...]".
-  kKitti,  ///< 12 numbers a line, the rows of [R | t] (or 16, with 0 0 0 1); no times.
+  kKitti,  ///< 12 numbers a line, the rows of [R | t] (or 16, with 0 0 0 1), perhaps behind the
+           ///< frame's number (KITTI-360); no times.
 };
 
 /// A trajectory file's content.
 struct TrajectoryFile {
   TrajectoryFormat format = TrajectoryFormat::kTum;
-  /// In order of time. Of kKitti, which has no times: row n, from 0, at n seconds.
+  /// In order of time. Of kKitti, which has no times: row n, from 0, at n seconds; or frame n.
   Trajectory poses;
-  std::size_t rows = 0;  ///< Of the file, those without a pose too.
+  bool is_numbered = false;  ///< Of kKitti: rows say the numbers of their frames.
+  std::size_t rows = 0;      ///< Of the file, those without a pose too.
   /// A sentence for each thing that a user should know of how the file was read: an unusual unit or
   /// order, rows left out, sorted rows, quaternions made unit length.
   std::vector<std::string> notes;
 };
-
-/// Tells the formats apart by the columns and separators of the first row. Throws Error where the
-/// file cannot be read, is empty or is none of them.
-TrajectoryFormat RecognizeTrajectoryFormat(const std::filesystem::path& path);
 
 /// Reads a trajectory from text; `path` is its name in messages, and not opened. Comments ('#', '%'
 /// or "//") and words before the first row are passed over; where they name the columns, in the
@@ -48,22 +46,24 @@ TrajectoryFile ParseTrajectory(std::string_view text, const std::filesystem::pat
 /// Reads a file so. Throws Error, too, where it cannot be read.
 TrajectoryFile ReadTrajectoryFile(const std::filesystem::path& path);
 
-/// Gives row n of a kKitti file the time times_ns[n]; rows beyond the last time are left out.
-void SetRowTimes(const std::vector<int64_t>& times_ns, TrajectoryFile& file);
+/// Gives row n, or frame n, of a kKitti file the time times_ns[n]; rows that have none, or are
+/// beyond the last one, are left out. Returns how many.
+std::size_t SetRowTimes(const std::vector<std::optional<int64_t>>& times_ns, TrajectoryFile& file);
 
-/// Reads a file, of kKitti with times: of `times` (KITTI's times.txt, seconds a line), or from
-/// ../sequences/NN/times.txt for poses/NN.txt, else Error; as it is where there are not as many as
-/// poses. The other formats leave `times` unread.
-TrajectoryFile ReadTrajectoryWithTimes(
-    const std::filesystem::path& path,
-    const std::optional<std::filesystem::path>& times = std::nullopt);
+/// Gives a kKitti file times: of `times` (KITTI's times.txt, seconds a line, or its timestamps.txt,
+/// of which rows may be blank), or from ../sequences/NN/times.txt for poses/NN.txt, or (KITTI-360)
+/// from ../../data_2d_raw/NN/image_00/timestamps.txt for data_poses/NN/poses.txt, `path` being the
+/// file's own; else Error, as it is where there are not as many as poses, or, of numbered ones,
+/// fewer than the last number asks for. The other formats are left as they are, and `times` unread.
+void AddRowTimes(const std::filesystem::path& path,
+                 const std::optional<std::filesystem::path>& times, TrajectoryFile& file);
 
-/// The poses of ReadTrajectoryWithTimes.
+/// The poses of a file with what AddRowTimes adds.
 Trajectory ReadTrajectory(const std::filesystem::path& path,
                           const std::optional<std::filesystem::path>& times = std::nullopt);
 
-/// Reads times, seconds a line ('#' comments), as nanoseconds. Throws Error with file and line for
-/// anything malformed and for times that do not increase.
+/// Reads times, seconds a line ('#' comments), as nanoseconds. Throws
+/// Error with file and line for anything malformed and for times that do not increase.
 std::vector<int64_t> ReadTimes(const std::filesystem::path& path);
 
 /// Writes beside the place first, then renames. Each line of `header` becomes a comment line (TUM,

@@ -1,0 +1,52 @@
+#include "window_equations.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+namespace gluevo::vo {
+
+void WindowEquations::Set(const WindowProblem& problem) {
+  problem_ = &problem;
+  priors_.Set(problem);
+}
+
+double WindowEquations::Cost(const WindowState& state) {
+  geometry_.Set(*problem_, state.world_from_body, state.turn);
+  return ViewsCost(*problem_, geometry_, state.points) + priors_.Cost(state);
+}
+
+void WindowEquations::Linearize(const WindowState& state) {
+  geometry_.Set(*problem_, state.world_from_body, state.turn);
+  system_.Reset({.frames = static_cast<int>(state.world_from_body.size()),
+                 .fixed_frames = 1,
+                 .has_turn = problem_->turn_sigma > 0.0});
+  points_.Linearize(*problem_, geometry_, geometry_, state.points, system_);
+  priors_.AddTo(state, system_);
+}
+
+bool WindowEquations::Solve(double damping) {
+  reduced_ = system_.hessian;
+  for (Eigen::Index i = 0; i < reduced_.rows(); ++i) {
+    reduced_(i, i) += Damping(reduced_(i, i), damping);
+  }
+  // Until it is solved for: what the equations are to be, with the other sign.
+  step_ = system_.gradient;
+  points_.Invert(damping);
+  points_.Eliminate(reduced_, step_);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(reduced_);
+  if (factors.info() != Eigen::Success) {
+    return false;
+  }
+  factors.solveInPlace(step_);
+  step_ = -step_;
+  // Half of -g^T d + d^T D d, by how the damped equations are solved.
+  double twice_decrease = -system_.gradient.dot(step_);
+  for (Eigen::Index i = 0; i < step_.size(); ++i) {
+    twice_decrease += Damping(system_.hessian(i, i), damping) * step_(i) * step_(i);
+  }
+  twice_decrease += points_.Solve(damping, step_);
+  predicted_decrease_ = 0.5 * twice_decrease;
+  return step_.allFinite() && std::isfinite(predicted_decrease_);
+}
+
+}  // namespace gluevo::vo

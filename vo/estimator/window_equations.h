@@ -1,0 +1,48 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "window_points.h"
+#include "window_priors.h"
+#include "window_problem.h"
+#include "window_reprojection.h"
+#include "window_system.h"
+
+namespace gluevo::vo {
+
+/// A problem's cost and normal equations: the points' and the priors' parts together. Allocates
+/// only for problems larger than ever before.
+class WindowEquations {
+ public:
+  /// Of this problem from now on; it must outlive their use.
+  void Set(const WindowProblem& problem);
+  /// Half the sum of squares at a state, those of views under Huber's loss.
+  double Cost(const WindowState& state);
+  void Linearize(const WindowState& state);
+  /// Of what was linearised last.
+  double cost() const { return system_.cost; }
+
+  /// The step of Levenberg and Marquardt, the diagonal raised by `damping` times itself. False
+  /// where the equations have no finite solution.
+  bool Solve(double damping);
+  /// Of the last solution, in the columns of WindowColumns, ...
+  const Eigen::VectorXd& state_step() const { return step_; }
+  const WindowColumns& columns() const { return system_.columns; }
+  /// ... and of the points.
+  const std::vector<Eigen::Vector3d>& point_steps() const { return points_.steps(); }
+  /// By how much the linearised problem says that the cost falls with the step.
+  double predicted_decrease() const { return predicted_decrease_; }
+
+ private:
+  const WindowProblem* problem_ = nullptr;
+  WindowGeometry geometry_;
+  WindowPoints points_;
+  WindowPriors priors_;
+  WindowSystem system_;
+  Eigen::MatrixXd reduced_;
+  Eigen::VectorXd step_;
+  double predicted_decrease_ = 0.0;
+};
+
+}  // namespace gluevo::vo

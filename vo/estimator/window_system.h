@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+
+#include "gluevo/vo/geometry/manifold.h"
+
+namespace gluevo::vo {
+
+/// Which columns of the normal equations are whose: frames in order, each with its tangent, then
+/// the turn.
+struct WindowColumns {
+  /// Columns of a frame; the first six are its PoseTangent.
+  static constexpr int kFrame = kPoseTangentSize;
+
+  int frames = 0;
+  int fixed_frames = 0;   ///< 0 or 1: so many have no columns.
+  bool has_turn = false;  ///< Whether the turn is estimated.
+
+  /// The first of a frame, negative for a fixed one.
+  int Of(int frame) const { return frame < fixed_frames ? -1 : kFrame * (frame - fixed_frames); }
+  int Turn() const { return kFrame * (frames - fixed_frames); }
+  int Count() const { return Turn() + (has_turn ? 3 : 0); }
+};
+
+/// Normal equations of frames and the turn, to which each kind of measurement adds its part.
+struct WindowSystem {
+  WindowColumns columns;
+  Eigen::MatrixXd hessian;  ///< Lower triangle; blocks on the diagonal whole.
+  Eigen::VectorXd gradient;
+  double cost = 0.0;  ///< Half the sum of squares.
+
+  /// All zero. Allocates only for more columns than ever before.
+  void Reset(const WindowColumns& new_columns) {
+    columns = new_columns;
+    hessian.setZero(columns.Count(), columns.Count());
+    gradient.setZero(columns.Count());
+    cost = 0.0;
+  }
+};
+
+/// What the method of Levenberg and Marquardt adds to an entry of the diagonal; the bounds are
+/// those of Ceres.
+inline double Damping(double diagonal, double damping) {
+  constexpr double kLeast = 1e-6;
+  constexpr double kLargest = 1e32;
+  return damping * std::min(std::max(diagonal, kLeast), kLargest);
+}
+
+}  // namespace gluevo::vo
