@@ -17,6 +17,7 @@ pid_t StartSelf(const std::vector<std::string>& arguments, const std::filesystem
   std::vector<std::string> words = {"gluevo"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) {
     argv.push_back(word.data());
   }

@@ -4,14 +4,24 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstdlib>
+// Eigen includes it: clang takes its declarations only before ours.
+#if __has_include(<mm_malloc.h>)
+#include <mm_malloc.h>
+#endif
 
 /// Counts how often a program asks the system for memory: what includes this, one source of a
 /// program, has a malloc family that stands before glibc's.
 
-// Sanitisers bring a malloc of their own.
+// Sanitisers bring a malloc of their own; g++ says by macros that they are there, clang by
+// features.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define GLUEVO_COUNTS_ALLOCATIONS 0
-#else
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define GLUEVO_COUNTS_ALLOCATIONS 0
+#endif
+#endif
+#ifndef GLUEVO_COUNTS_ALLOCATIONS
 #define GLUEVO_COUNTS_ALLOCATIONS 1
 #endif
 

@@ -109,7 +109,7 @@ void AddCard(const RunOutcome& outcome, const fs::path& output, std::ostream& pa
   const bool has_log = fs::exists(output / folder / kRunLog);
   std::string name = outcome.run.method;
   for (const auto& [option, value] : outcome.run.swept) {
-    name += ", " + option + " " + value;
+    name.append(", ").append(option).append(" ").append(value);
   }
   if (has_report || has_log) {
     page << "<a class=\"card\" href=\"" << Address(folder / (has_report ? "report.html" : kRunLog))

@@ -27,6 +27,18 @@ std::vector<std::string> Values(const YAML::Node& node) {
   return values;
 }
 
+// Those that the option can take.
+std::vector<std::string> ValuesFor(const CLI::Option& option, const YAML::Node& node,
+                                   const std::string& where, const std::string& name) {
+  std::vector<std::string> values = Values(node);
+  const bool takes_several = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+  if (values.empty() || (node.IsSequence() && !takes_several)) {
+    throw Error(where + ": option " + name + " takes " +
+                (takes_several ? "a value or a list of values" : "one value"));
+  }
+  return values;
+}
+
 }  // namespace
 
 void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
@@ -50,12 +62,7 @@ void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
       throw Error(where + ": unknown option " + Quoted(name) +
                   ", expected a long option of 'gluevo " + command.get_name() + "'");
     }
-    const std::vector<std::string> values = Values(entry.second);
-    const bool takes_several = option->get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
-    if (values.empty() || (entry.second.IsSequence() && !takes_several)) {
-      throw Error(where + ": option " + name + " takes " +
-                  (takes_several ? "a value or a list of values" : "one value"));
-    }
+    const std::vector<std::string> values = ValuesFor(*option, entry.second, where, name);
     if (option->count() > 0) {
       continue;
     }

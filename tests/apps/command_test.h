@@ -27,6 +27,20 @@ inline std::string Contents(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Kalibr's camchain of two cameras without distortion, 0.1 m apart.
+inline std::string Camchain(int width, int height) {
+  std::string text;
+  for (const std::string camera : {"0", "1"}) {
+    text += "cam" + camera +
+            ":\n  camera_model: pinhole\n  distortion_model: radtan\n"
+            "  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [" +
+            std::to_string(width) + ", " + std::to_string(width) + ", " +
+            std::to_string(width / 2) + ", " + std::to_string(height / 2) + "]\n  resolution: [" +
+            std::to_string(width) + ", " + std::to_string(height) + "]\n";
+  }
+  return text + "  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n";
+}
+
 /// Runs gluevo as a user does, with files in a temporary folder.
 class CommandTest : public testing::Test {
  protected:

@@ -20,18 +20,7 @@ class DistinctOutputsTest : public CommandTest {
         << outcome.error;
     EXPECT_EQ(Contents(file), before);
   }
-  std::string Calibration(const std::string& name) const {
-    std::string text;
-    for (const std::string camera : {"0", "1"}) {
-      text += "cam" + camera +
-              ":\n  camera_model: pinhole\n  distortion_model: radtan\n"
-              "  distortion_coeffs: [0, 0, 0, 0]\n  intrinsics: [100, 100, 80, 60]\n"
-              "  resolution: [160, 120]\n";
-    }
-    return Write(name, text +
-                           "  T_cn_cnm1: [[1, 0, 0, -0.1], [0, 1, 0, 0], [0, 0, 1, 0], "
-                           "[0, 0, 0, 1]]\n");
-  }
+  std::string Calibration(const std::string& name) const { return Write(name, Camchain(160, 120)); }
 };
 
 TEST_F(DistinctOutputsTest, OfImagesAndFeatures) {
@@ -92,7 +81,7 @@ class FilesOfInputsTest : public DistinctOutputsTest {
     EXPECT_EQ(Contents(file), before);
   }
   std::string Data() const {
-    const std::string data = Path("flight");
+    std::string data = Path("flight");
     EXPECT_EQ(
         Run("simulate -o " + data + " --duration 0.3 --rate 10 --width 160 --height 120").exit_code,
         0);
@@ -103,10 +92,10 @@ class FilesOfInputsTest : public DistinctOutputsTest {
 TEST_F(FilesOfInputsTest, AreNotReplacedByARun) {
   const std::string data = Data();
   const std::string run = "run " + data + " --method klt --threads 1 -o ";
-  for (const std::string name : {"mav0/cam0/data.csv", "mav0/cam1/sensor.yaml"}) {
-    const std::string file = data + "/" + name;
-    ExpectKept(run + Path("out") + " --save-matches " + file, file,
-               "a file is there that is no file of --save-matches");
+  const std::string run_and_save = run + Path("out") + " --save-matches ";
+  for (const char* const name : {"mav0/cam0/data.csv", "mav0/cam1/sensor.yaml"}) {
+    const std::string file = (fs::path(data) / name).string();
+    ExpectKept(run_and_save + file, file, "a file is there that is no file of --save-matches");
   }
   const std::string poses = Write("flight/trajectory.tum", "1 0 0 0 0 0 0 1\n");
   ExpectKept(run + data, poses, "is a file of the data set");

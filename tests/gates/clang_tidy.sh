@@ -31,6 +31,7 @@ count=$(wc -l <<<"$files")
 if [ "${1:-}" != --all ] && [ "$count" -gt "$many_files" ]; then
   checks=-clang-analyzer-*
 fi
-cmake --preset dev >/dev/null
+# Every source with a command of its own.
+cmake --preset dev -B build/tidy -DGLUEVO_UNITY_BUILD=OFF >/dev/null
 echo "$count files${checks:+, without the analyser}"
-xargs -P "$(nproc)" -n 1 -d '\n' clang-tidy-14 -p build/dev --quiet --checks="$checks" <<<"$files"
+xargs -P "$(nproc)" -n 1 -d '\n' clang-tidy-14 -p build/tidy --quiet --checks="$checks" <<<"$files"

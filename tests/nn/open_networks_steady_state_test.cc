@@ -7,10 +7,10 @@
 #include <random>
 #include <vector>
 
+#include "count_allocations.h"
 #include "gluevo/nn/aliked.h"
 #include "gluevo/nn/lightglue.h"
 #include "gluevo/nn/random_weights.h"
-#include "nn/allocation_counter.h"
 
 namespace gluevo::nn {
 namespace {

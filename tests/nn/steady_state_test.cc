@@ -11,7 +11,6 @@
 #include "count_allocations.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
-#include "nn/allocation_counter.h"
 #include "nn/golden.h"
 
 namespace gluevo::nn {

@@ -11,6 +11,7 @@
 
 #include "containers.h"
 #include "gluevo/nn/error.h"
+#include "message_of.h"
 
 // What every reader of files from anywhere has to show.
 
@@ -30,15 +31,9 @@ inline Container Parse(const std::string& bytes) {
 
 /// The message of the Error that this throws; fails where it throws none, or one of several lines.
 inline std::string MessageOf(const std::function<void()>& run) {
-  try {
-    run();
-  } catch (const Error& error) {
-    std::string message = error.what();
-    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
-    return message;
-  }
-  ADD_FAILURE() << "no Error";
-  return "";
+  std::string message = gluevo::MessageOf(run);
+  EXPECT_NE(message, "no error");
+  return message;
 }
 
 /// Expects an Error of one line that begins so and says this.

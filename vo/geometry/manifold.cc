@@ -43,6 +43,18 @@ Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& rotation_vector) {
   return Eigen::Matrix3d::Identity() + 0.5 * cross + quadratic * cross * cross;
 }
 
+Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& rotation_vector) {
+  const double angle = rotation_vector.norm();
+  const double square = angle * angle;
+  const Eigen::Matrix3d cross = Skew(rotation_vector);
+  // (1 - cos a) / a^2 and (a - sin a) / a^3, by their series near 0.
+  const bool is_small = angle < 1e-3;
+  const double linear = is_small ? 0.5 - square / 24.0 : (1.0 - std::cos(angle)) / square;
+  const double quadratic =
+      is_small ? 1.0 / 6.0 - square / 120.0 : (angle - std::sin(angle)) / (square * angle);
+  return Eigen::Matrix3d::Identity() - linear * cross + quadratic * cross * cross;
+}
+
 Rigid3 Plus(const Rigid3& pose, const PoseTangent& delta) {
   return {(pose.rotation * ExpSo3(delta.tail<3>())).normalized(),
           pose.translation + delta.head<3>()};

@@ -7,6 +7,7 @@
 #include "gluevo/nn/error.h"
 #include "groundtruth.h"
 #include "kitti_files.h"
+#include "text_file.h"
 #include "yaml_file.h"
 
 namespace gluevo::vo {
@@ -111,7 +112,8 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
   const fs::path drive_times = root / "timestamps.txt";
   const fs::path times_file =
       !fs::exists(camera_times) && fs::exists(drive_times) ? drive_times : camera_times;
-  const std::vector<std::optional<int64_t>> times = ReadTimestamps(times_file);
+  const std::vector<std::optional<int64_t>> times =
+      ParseTimestamps(ReadText(times_file), times_file);
   for (const auto& [images] : pairs) {
     const auto number = static_cast<std::size_t>(images[0].key);
     if (number >= times.size() || !times[number]) {

@@ -110,10 +110,10 @@ std::vector<ImagePair> ListNumberedPairs(const std::array<fs::path, 2>& folders,
   return pairs.pairs;
 }
 
-std::vector<std::optional<int64_t>> ReadTimestamps(const fs::path& path) {
+std::vector<std::optional<int64_t>> ParseTimestamps(std::string_view text, const fs::path& path) {
   std::vector<std::optional<int64_t>> times;
   int64_t first = 0;
-  for (const TextLine& line : ReadLines(path, /*skip_comments=*/false)) {
+  for (const TextLine& line : SplitLines(text, path, /*skip_comments=*/false)) {
     if (line.text.empty() && !times.empty()) {
       times.emplace_back();
       continue;

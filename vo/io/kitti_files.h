@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gluevo/vo/geometry/stereo_rig.h"
@@ -44,8 +45,10 @@ std::vector<ImagePair> ListNumberedPairs(const std::array<std::filesystem::path,
                                          Dataset& dataset);
 
 /// The times of a drive's timestamps.txt, a date a row, in nanoseconds after the first; nothing for
-/// a blank row. Throws Error with file and line for any other row.
-std::vector<std::optional<int64_t>> ReadTimestamps(const std::filesystem::path& path);
+/// a blank row. `path` is the file's name in messages. Throws Error with file and line for any
+/// other row.
+std::vector<std::optional<int64_t>> ParseTimestamps(std::string_view text,
+                                                    const std::filesystem::path& path);
 
 /// The first of some files that is there, in the folder or in up to three above it. Throws Error
 /// naming them.

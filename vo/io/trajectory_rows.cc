@@ -31,9 +31,30 @@ std::optional<fs::path> FindKittiTimes(const fs::path& path) {
   return std::nullopt;
 }
 
-bool IsOfDates(const fs::path& times) {
-  const std::vector<TextLine> lines = ReadLines(times, /*skip_comments=*/true);
-  return !lines.empty() && ParseDateTime(lines.front().text).has_value();
+std::vector<int64_t> ParseTimes(std::string_view text, const fs::path& path) {
+  std::vector<int64_t> times;
+  for (const TextLine& line : SplitLines(text, path, /*skip_comments=*/true)) {
+    const auto time = ParseSeconds(line.text);
+    if (!time) {
+      throw Error(At(path, line) + ": " + Quoted(line.text) + " is not a time in seconds");
+    }
+    if (!times.empty() && *time <= times.back()) {
+      throw Error(At(path, line) + ": a time that is not after the one before");
+    }
+    times.push_back(*time);
+  }
+  return times;
+}
+
+// Of times.txt, or of timestamps.txt, whose first row is a date. Read once: it may be a pipe.
+std::vector<std::optional<int64_t>> ReadRowTimes(const fs::path& path) {
+  const std::string text = ReadText(path);
+  const std::vector<TextLine> lines = SplitLines(text, path, /*skip_comments=*/true);
+  if (!lines.empty() && ParseDateTime(lines.front().text)) {
+    return ParseTimestamps(text, path);
+  }
+  const std::vector<int64_t> seconds = ParseTimes(text, path);
+  return {seconds.begin(), seconds.end()};
 }
 
 std::size_t RowOf(const StampedPose& pose) {
@@ -63,13 +84,7 @@ void AddRowTimes(const fs::path& path, const std::optional<fs::path>& times, Tra
                 "poses/NN.txt beside sequences/NN/times.txt (KITTI-360: data_poses/NN/poses.txt "
                 "beside data_2d_raw/NN/image_00/timestamps.txt)");
   }
-  std::vector<std::optional<int64_t>> times_ns;
-  if (IsOfDates(*times_file)) {
-    times_ns = ReadTimestamps(*times_file);
-  } else {
-    const std::vector<int64_t> seconds = ReadTimes(*times_file);
-    times_ns.assign(seconds.begin(), seconds.end());
-  }
+  const std::vector<std::optional<int64_t>> times_ns = ReadRowTimes(*times_file);
   if (file.is_numbered && RowOf(file.poses.back()) >= times_ns.size()) {
     throw Error(path.string() + ": a pose of frame " + std::to_string(RowOf(file.poses.back())) +
                 ", but " + times_file->string() + " has times of " +
@@ -91,19 +106,6 @@ Trajectory ReadTrajectory(const fs::path& path, const std::optional<fs::path>& t
   return std::move(file.poses);
 }
 
-std::vector<int64_t> ReadTimes(const fs::path& path) {
-  std::vector<int64_t> times;
-  for (const TextLine& line : ReadLines(path, /*skip_comments=*/true)) {
-    const auto time = ParseSeconds(line.text);
-    if (!time) {
-      throw Error(At(path, line) + ": " + Quoted(line.text) + " is not a time in seconds");
-    }
-    if (!times.empty() && *time <= times.back()) {
-      throw Error(At(path, line) + ": a time that is not after the one before");
-    }
-    times.push_back(*time);
-  }
-  return times;
-}
+std::vector<int64_t> ReadTimes(const fs::path& path) { return ParseTimes(ReadText(path), path); }
 
 }  // namespace gluevo::vo

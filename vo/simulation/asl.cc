@@ -83,7 +83,7 @@ void WriteAslImageList(const std::filesystem::path& path, const std::vector<int6
   file.Close();
 }
 
-void WriteAslImu(const std::filesystem::path& path, const ImuNoise& noise) {
+void WriteAslImu(const std::filesystem::path& path, const vo::ImuNoise& noise) {
   TextFile file(path);
   file << "%YAML:1.0\nsensor_type: imu\ncomment: simulated imu0\n\n";
   WriteTransform(&file, vo::Rigid3());

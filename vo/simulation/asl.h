@@ -18,7 +18,7 @@ void WriteAslCamera(const std::filesystem::path& file, const vo::StereoRig& rig,
 /// camN/data.csv; images are called TIMESTAMP.png.
 void WriteAslImageList(const std::filesystem::path& file, const std::vector<int64_t>& times_ns);
 /// imu0/sensor.yaml
-void WriteAslImu(const std::filesystem::path& file, const ImuNoise& noise);
+void WriteAslImu(const std::filesystem::path& file, const vo::ImuNoise& noise);
 /// imu0/data.csv
 void WriteAslImuSamples(const std::filesystem::path& file, const std::vector<int64_t>& times_ns,
                         const std::vector<ImuSample>& samples);

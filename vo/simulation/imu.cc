@@ -6,7 +6,7 @@
 
 namespace gluevo::simulation {
 
-std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const ImuNoise& noise,
+std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const vo::ImuNoise& noise,
                                    uint64_t seed) {
   const NormalTable normal;
   RandomStream random(seed);

@@ -4,17 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "gluevo/vo/core/imu.h"
 #include "path.h"
 
 namespace gluevo::simulation {
-
-/// Noise of EuRoC's inertial unit (ADIS16448, sensor.yaml of its recordings), continuous time.
-struct ImuNoise {
-  double gyroscope_density = 1.6968e-4;       // rad/s/sqrt(Hz)
-  double gyroscope_random_walk = 1.9393e-5;   // rad/s^2/sqrt(Hz)
-  double accelerometer_density = 2.0e-3;      // m/s^2/sqrt(Hz)
-  double accelerometer_random_walk = 3.0e-3;  // m/s^3/sqrt(Hz)
-};
 
 inline constexpr int kImuRateHz = 200;
 
@@ -28,7 +21,7 @@ struct ImuSample {
 
 /// Samples at k / kImuRateHz for k = 0 .. count - 1. Biases start at random (0.02 rad/s, 0.05 m/s^2
 /// a side) and walk.
-std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const ImuNoise& noise,
+std::vector<ImuSample> SimulateImu(const SimulationPath& path, int count, const vo::ImuNoise& noise,
                                    uint64_t seed);
 
 }  // namespace gluevo::simulation

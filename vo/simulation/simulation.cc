@@ -59,6 +59,7 @@ std::vector<vo::Rigid3> PosesOfExposure(const SimulationPath& path, double time_
   if (pixels < 0.1) return {path(time_s)};
   const int count = kSamples * std::clamp(static_cast<int>(std::ceil(pixels / kSamples)), 2, 16);
   std::vector<vo::Rigid3> poses;
+  poses.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     poses.push_back(path(time_s + exposure_s * ((i + 0.5) / count - 0.5)));
   }
@@ -67,6 +68,7 @@ std::vector<vo::Rigid3> PosesOfExposure(const SimulationPath& path, double time_
 
 std::vector<vo::Rigid3> Poses(const Flight& flight, const std::vector<int64_t>& times) {
   std::vector<vo::Rigid3> poses;
+  poses.reserve(times.size());
   for (const int64_t time : times) poses.push_back(flight.path(Seconds(time)));
   return poses;
 }
@@ -81,7 +83,7 @@ void WriteStates(const std::filesystem::path& mav, const Flight& flight,
                  const std::vector<int64_t>& image_times, uint64_t seed) {
   const int imu_count =
       static_cast<int>(std::ceil(Seconds(image_times.back()) * kImuRateHz - 1e-6)) + 1;
-  const ImuNoise noise;
+  const vo::ImuNoise noise;
   const std::vector<ImuSample> samples = SimulateImu(flight.path, imu_count, noise, seed);
   std::vector<int64_t> imu_times(samples.size());
   for (int i = 0; i < imu_count; ++i) imu_times[i] = TimeNs(i, kImuRateHz);

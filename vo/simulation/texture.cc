@@ -42,7 +42,7 @@ Texture::Texture(double width_m, double height_m, double texel_m, const Pattern&
     uint8_t* texels = &base.texels[static_cast<std::size_t>(row) * base.stride];
     for (int column = 0; column < base.columns; ++column) {
       const double value = pattern((column + 0.5) * texel_m, (row + 0.5) * texel_m);
-      texels[column] = static_cast<uint8_t>(255.0 * std::clamp(value, 0.0, 1.0) + 0.5);
+      texels[column] = static_cast<uint8_t>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
     }
   });
   base.Pad();

@@ -49,7 +49,7 @@ class Texture {
     }
     /// The same for four places, with the same results.
     Eigen::Array4f Sample(const Eigen::Array4f& u, const Eigen::Array4f& v) const {
-      const Eigen::Array4f value = Bilinear(*fine_, u, v);
+      Eigen::Array4f value = Bilinear(*fine_, u, v);
       if (part_ == 0.0F) return value;
       return value + (Bilinear(*coarse_, u, v) - value) * part_;
     }

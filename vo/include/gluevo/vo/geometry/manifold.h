@@ -17,6 +17,8 @@ Eigen::Vector3d LogSo3(const Eigen::Quaterniond& rotation);
 /// d Log(exp(v) exp(d)) / d d at d = 0: the inverse of the right Jacobian of SO(3) (Forster et al.
 /// 2017, eq. 8 and following).
 Eigen::Matrix3d InverseRightJacobian(const Eigen::Vector3d& rotation_vector);
+/// d Log(exp(-v) exp(v + d)) / d d at d = 0, the right Jacobian itself (eq. 8).
+Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& rotation_vector);
 
 /// A small motion of a pose: dp (world frame, metres), then dtheta (body frame, radians).
 inline constexpr int kPoseTangentSize = 6;
