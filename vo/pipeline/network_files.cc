@@ -1,7 +1,6 @@
 #include "gluevo/vo/pipeline/network_files.h"
 
 #include <algorithm>
-#include <array>
 #include <vector>
 
 #include "gluevo/nn/error.h"
@@ -12,8 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<const char*, 4> kNetworks = {"superpoint", "superglue", "aliked", "lightglue"};
-
 // Published names of LightGlue's weights begin with those of the features: "aliked_lightglue".
 bool IsNamedFor(const std::string& name, const std::string& network) {
   const bool is_lightglue = name.find("lightglue") != std::string::npos;
@@ -21,6 +18,9 @@ bool IsNamedFor(const std::string& name, const std::string& network) {
 }
 
 std::vector<fs::path> Candidates(const fs::path& folder, const std::string& network) {
+  if (!fs::is_directory(folder)) {
+    throw Error(folder.string() + ": not a folder (--weights)");
+  }
   std::vector<fs::path> found;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
@@ -50,7 +50,8 @@ std::optional<fs::path> FindIn(const fs::path& folder, const std::string& networ
     }
   }
   if (found.size() > 1) {
-    throw Error(folder.string() + ": several weights files of a " + network + " (" +
+    throw Error(folder.string() + ": several weights files of " +
+                (network == "aliked" ? "an " : "a ") + network + " (" +
                 found[0].filename().string() + ", " + found[1].filename().string() +
                 ", ...): name one with --" + network);
   }
@@ -69,6 +70,17 @@ std::optional<fs::path> FindIn(const fs::path& folder, const std::string& networ
 
 }  // namespace
 
+void CheckFolderHolds(const fs::path& folder, const std::vector<std::string>& networks) {
+  std::string names;
+  for (const std::string& network : networks) {
+    if (!Candidates(folder, network).empty()) {
+      return;
+    }
+    names += (names.empty() ? "no " : " and no ") + network + ".safetensors";
+  }
+  throw Error(folder.string() + ": " + names + " in it (--weights)");
+}
+
 std::optional<fs::path> FindWeights(const NetworkFiles& files, const std::string& network,
                                     const std::string& features) {
   const fs::path& named = network == "superpoint"  ? files.superpoint
@@ -79,18 +91,8 @@ std::optional<fs::path> FindWeights(const NetworkFiles& files, const std::string
     return named;
   }
   if (!files.weights.empty()) {
-    if (!fs::is_directory(files.weights)) {
-      throw Error(files.weights.string() + ": not a folder (--weights)");
-    }
     if (auto found = FindIn(files.weights, network, features)) {
       return found;
-    }
-    if (std::all_of(kNetworks.begin(), kNetworks.end(), [&](const char* const any) {
-          return Candidates(files.weights, any).empty();
-        })) {
-      throw Error(files.weights.string() +
-                  ": no superpoint.safetensors, superglue.safetensors, aliked.safetensors or "
-                  "lightglue.safetensors in it (--weights)");
     }
   }
   if (network == "superpoint" || network == "superglue") {

@@ -1,7 +1,10 @@
 #include "gluevo/vo/pipeline/networks.h"
 
+#include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/weights.h"
@@ -49,6 +52,22 @@ void CheckFilesAreRead(const NetworkFiles& files, const std::string& features,
     refuse(files.superglue, "superglue", "matcher", matcher);
   } else if (matcher == "superglue") {
     refuse(files.lightglue, "lightglue", "matcher", matcher);
+  }
+}
+
+// A folder need not hold both networks of a pair.
+void CheckFolder(const NetworkFiles& files, const std::string& features,
+                 const std::string& matcher) {
+  std::vector<std::string> networks;
+  if (!features.empty()) {
+    networks = {features, MatcherOf(features, "")};
+  }
+  const bool is_network = matcher == "superglue" || matcher == "lightglue";
+  if (is_network && std::find(networks.begin(), networks.end(), matcher) == networks.end()) {
+    networks.push_back(matcher);
+  }
+  if (!files.weights.empty() && !networks.empty()) {
+    CheckFolderHolds(files.weights, networks);
   }
 }
 
@@ -122,6 +141,7 @@ Networks LoadNetworks(const NetworkFiles& files, const std::string& features,
                       const std::string& matcher) {
   CheckNetworkNames(features, matcher);
   CheckFilesAreRead(files, features, matcher);
+  CheckFolder(files, features, matcher);
   Networks networks;
   if (features == "superpoint") {
     networks.superpoint =
@@ -143,6 +163,7 @@ Networks LoadMatcher(const NetworkFiles& files, const std::string& features,
     CheckNetworkNames(features, matcher);
   }
   CheckFilesAreRead(files, features, matcher);
+  CheckFolder(files, features, matcher);
   Networks networks;
   AddMatcher(files, features, matcher, networks);
   return networks;

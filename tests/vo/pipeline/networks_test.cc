@@ -63,7 +63,7 @@ TEST_F(NetworksTest, FilesAreFoundByTheirNames) {
   Touch(Weights() / "aliked-n32.safetensors");
   Touch(Weights() / "lightglue-disk.safetensors");
   EXPECT_NE(MessageOf([&] { FindWeights(files, "aliked", "aliked"); })
-                .find("several weights files of a aliked (aliked-n32.safetensors, "
+                .find("several weights files of an aliked (aliked-n32.safetensors, "
                       "aliked-t16.safetensors, ...): name one with --aliked"),
             std::string::npos);
   EXPECT_NE(MessageOf([&] { FindWeights(files, "lightglue", "aliked"); }).find("--lightglue"),
@@ -93,14 +93,26 @@ TEST_F(NetworksTest, TheUsersOwnFolderIsTheLastPlace) {
   // A folder that is named comes before it, and its lack of this one network is made up for.
   Touch(Weights() / "superpoint.safetensors");
   EXPECT_EQ(FindWeights({.weights = Weights()}, "aliked", "aliked"), own);
-  fs::create_directories(Weights() / "empty");
-  EXPECT_NE(MessageOf([&] { FindWeights({.weights = Weights() / "empty"}, "aliked", "aliked"); })
-                .find("no superpoint.safetensors, superglue.safetensors, aliked.safetensors or "
-                      "lightglue.safetensors in it (--weights)"),
-            std::string::npos);
   EXPECT_NE(
       MessageOf([&] { FindWeights({.weights = own}, "aliked", "aliked"); }).find("not a folder"),
       std::string::npos);
+}
+
+TEST_F(NetworksTest, AFolderThatIsNamedHoldsWhatIsRun) {
+  fs::create_directories(Weights());
+  fs::copy(Save("a", SmallAliked()), Weights() / "aliked.safetensors");
+  EXPECT_EQ(Refusal({.weights = Weights()}, "superpoint", "superglue"),
+            Weights().string() +
+                ": no superpoint.safetensors and no superglue.safetensors in it (--weights)");
+  EXPECT_EQ(Refusal({.weights = Weights()}, "aliked", "nn"), "no error");
+  // The other one of a pair may be elsewhere.
+  const fs::path lightglue = Save("l", SmallLightGlue());
+  EXPECT_EQ(Refusal({.weights = Weights(), .lightglue = lightglue}, "aliked", "lightglue"),
+            "no error");
+  EXPECT_NE(MessageOf([&] {
+              LoadMatcher({.weights = Weights()}, "", "lightglue");
+            }).find("no lightglue.safetensors in it (--weights)"),
+            std::string::npos);
 }
 
 TEST_F(NetworksTest, PairsThatDoNotFitAreRefusedByName) {

@@ -78,7 +78,7 @@ void CheckNetworkNames(const std::string& features, const std::string& matcher);
 /// "lightglue"; "nn" or empty for nothing). Throws Error as CheckNetworkNames does, for weights
 /// that are not there, cannot be read, are another network's, or do not fit each other by the size
 /// of descriptors or by what a LightGlue's metadata say ("features"), and where `files` name a file
-/// for a network in whose place another one is chosen.
+/// for a network in whose place another one is chosen, or a folder without any of these networks.
 Networks LoadNetworks(const NetworkFiles& files, const std::string& features,
                       const std::string& matcher);
 
