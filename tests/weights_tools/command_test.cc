@@ -216,7 +216,8 @@ TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
 }
 
 TEST_F(WeightsCommandTest, HelpShowsAnExample) {
-  for (const char* arguments : {"--help", "convert --help", "inspect --help", "verify --help", "get --help"}) {
+  for (const char* arguments :
+       {"--help", "convert --help", "inspect --help", "verify --help", "get --help"}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << arguments;
     EXPECT_NE(outcome.out.find("Example:\n  gluevo-weights "), std::string::npos) << outcome.out;

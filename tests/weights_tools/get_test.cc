@@ -3,6 +3,7 @@
 #include "gluevo/weights_tools/get.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdlib>
 
 #include "apps/command_test.h"
@@ -172,6 +173,16 @@ TEST_F(GetTest, SaysWhatPipSaid) {
                      " " + GLUEVO_PROGRAM,
                  "get aliked-n16"),
       "python3 cannot be started");
+}
+
+TEST_F(GetTest, ASignalEndsPipAndLeavesNothing) {
+  fs::create_directories(Path("temporary"));
+  const auto start = std::chrono::steady_clock::now();
+  ExpectOneLineAndNothingLeft(
+      RunProgram("timeout --preserve-status -s TERM 0.5 env " + WithPython("exec sleep 60\n"),
+                 "get aliked-n16"),
+      "interrupted (Terminated)");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
 }
 
 TEST_F(GetTest, BadUsage) {
