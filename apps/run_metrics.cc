@@ -54,6 +54,14 @@ void AddMarkedFrames(const std::vector<vo::FrameResult>& frames, Json& json) {
   }
 }
 
+// As its paper calls it.
+std::string NetworkTitle(const std::string& network) {
+  return network == "superpoint"  ? "SuperPoint"
+         : network == "superglue" ? "SuperGlue"
+         : network == "aliked"    ? "ALIKED"
+                                  : "LightGlue";
+}
+
 void AddOptions(const RunMetrics::Context& context, Json& json) {
   json["options"] = Json::object();
   json["option_origins"] = Json::object();
@@ -126,11 +134,9 @@ RunReport RunMetrics::Report(const Context& context) const {
   for (const auto& [option, values] : context.options) {
     report.options.emplace_back(option, ValueText(values));
   }
-  for (const auto& [network, record] :
-       {std::pair{"SuperPoint", context.superpoint}, std::pair{"SuperGlue", context.superglue}}) {
-    if (!record.source.empty()) {
-      report.weights.push_back({network, record.source, record.checksum});
-    }
+  report.weights.reserve(context.weights.size());
+  for (const vo::WeightsRecord& record : context.weights) {
+    report.weights.push_back({NetworkTitle(record.network), record.source, record.checksum});
   }
   report.version = GLUEVO_VERSION;
   report.processor = ProcessorName();
@@ -187,13 +193,16 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["isa"] = nn::IsaName(nn::ChooseIsa());
   json["threads"] = context.threads;
   json["weights"] = Json::object();
-  for (const auto& [network, record] :
-       {std::pair{"superpoint", context.superpoint}, std::pair{"superglue", context.superglue}}) {
-    if (!record.source.empty()) {
-      json["weights"][network] = {{"name", record.source}, {"sha256", record.checksum}};
-    }
+  for (const vo::WeightsRecord& record : context.weights) {
+    json["weights"][record.network] = {{"name", record.source}, {"sha256", record.checksum}};
   }
   json["method"] = context.method;
+  for (const auto& [key, name] :
+       {std::pair("features", context.features), {"matcher", context.matcher}}) {
+    if (!name.empty()) {
+      json[key] = name;
+    }
+  }
   json["preset"] = context.origins.preset;
   json["preset_from"] = context.origins.preset_from;
   AddOptions(context, json);

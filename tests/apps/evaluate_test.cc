@@ -82,7 +82,7 @@ TEST_F(SegmentsTest, AreEvaluatedEachOnItsOwn) {
   const std::string named = " --segments " + Write("named.json", whole_);
   const nlohmann::json json = nlohmann::json::parse(Run(inputs + named + " --json").out);
   EXPECT_GT(json["ate_se3_m"], 10.0);
-  const nlohmann::json within = json["within_segments"];
+  const nlohmann::json& within = json["within_segments"];
   EXPECT_EQ(within["motions"], 6);
   EXPECT_EQ(within["correct_motions"], 5);
   EXPECT_EQ(within["breaks"], 1);

@@ -61,7 +61,7 @@ TrackedFrame SuperPointFrontEnd::MatchRight(TrackedFrame result) {
   }
   const nn::Features left = extractor_->Describe(frame_.images[0], pixels);
   const nn::Features right = extractor_->Extract(frame_.images[1]);
-  result.stages_ms["superpoint"] = watch.Lap();
+  result.stages_ms[extractor_->Name()] = watch.Lap();
 
   std::vector<Eigen::Vector2d> right_rays;
   for (int i = 0; i < right.size(); ++i) {

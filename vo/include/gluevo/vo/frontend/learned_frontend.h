@@ -60,7 +60,8 @@ struct LearnedFrontEndOptions {
 };
 
 /// Method 2 of Yoon and Park: keypoints by SuperPoint in both images, matched by SuperGlue from the
-/// previous left image to this one (tracks) and from left to right (stereo).
+/// previous left image to this one (tracks) and from left to right (stereo); other networks may
+/// stand in their places.
 class LearnedFrontEnd : public FrontEnd {
  public:
   /// `fallback` (may be absent) matches left images in Retry(). Throws Error for bad options.

@@ -31,8 +31,9 @@ struct SuperPointFrontEndOptions {
   void Validate() const;
 };
 
-/// Method 1 of Yoon and Park: left tracks as the baseline makes them, described by SuperPoint where
-/// they are, and matched to SuperPoint's keypoints of the right image by their nearest neighbours.
+/// Method 1 of Yoon and Park: left tracks as the baseline makes them, described by SuperPoint (or
+/// ALIKED) where they are, and matched to its keypoints of the right image by their nearest
+/// neighbours.
 class SuperPointFrontEnd final : public FrontEnd {
  public:
   /// Throws Error for bad options.
