@@ -10,7 +10,8 @@ using kernels::kBlock;
 TensorView<float> LightGlueNetwork::Similarity(LightGlueState& state, Workspace& workspace) const {
   const Linear<float>& projection =
       layers_.layers[static_cast<std::size_t>(state.layers - 1)].final_projection;
-  auto& [image0, image1] = state.images;
+  const LightGlueImage& image0 = state.images[0];
+  const LightGlueImage& image1 = state.images[1];
   const int64_t blocks = BlocksOf(layers_.size);
   const Bands bands({image0.count, image1.count}, workspace.pool.size());
   const TensorView<float> scratch =
