@@ -51,38 +51,14 @@ class NetworkExtractor final : public FeatureExtractor {
   nn::Workspace workspace_;
 };
 
-class SuperGlueMatcher : public Matcher {
+// SuperGlue or LightGlue.
+template <typename Network, typename Options>
+class NetworkPairMatcher final : public Matcher {
  public:
-  SuperGlueMatcher(std::shared_ptr<const nn::SuperGlue> network, int sinkhorn_iterations,
-                   nn::ThreadPool& pool)
-      : network_(std::move(network)), workspace_(pool) {
-    options_.sinkhorn_iterations = sinkhorn_iterations;
-    options_.Validate();
-  }
-
-  nn::Matches Match(const nn::Features& features0, const nn::Features& features1,
-                    float threshold) override {
-    options_.match_threshold = threshold;
-    nn::Matches matches;
-    network_->Match(features0, features1, options_, workspace_, matches);
-    return matches;
-  }
-
- private:
-  std::shared_ptr<const nn::SuperGlue> network_;
-  nn::SuperGlueOptions options_;
-  nn::Workspace workspace_;
-};
-
-class LightGlueMatcher : public Matcher {
- public:
-  LightGlueMatcher(std::shared_ptr<const nn::LightGlue> network,
-                   const nn::LightGlueOptions& options, nn::ThreadPool& pool)
+  NetworkPairMatcher(std::shared_ptr<const Network> network, const Options& options,
+                     nn::ThreadPool& pool)
       : network_(std::move(network)), options_(options), workspace_(pool) {
     options_.Validate();
-    if (!network_->has_adaptive_depth()) {
-      options_.depth_confidence = 0.0F;
-    }
   }
 
   nn::Matches Match(const nn::Features& features0, const nn::Features& features1,
@@ -94,8 +70,8 @@ class LightGlueMatcher : public Matcher {
   }
 
  private:
-  std::shared_ptr<const nn::LightGlue> network_;
-  nn::LightGlueOptions options_;
+  std::shared_ptr<const Network> network_;
+  Options options_;
   nn::Workspace workspace_;
 };
 
@@ -125,13 +101,21 @@ std::unique_ptr<FeatureExtractor> MakeAlikedExtractor(std::shared_ptr<const nn::
 
 std::unique_ptr<Matcher> MakeSuperGlueMatcher(std::shared_ptr<const nn::SuperGlue> network,
                                               int sinkhorn_iterations, nn::ThreadPool& pool) {
-  return std::make_unique<SuperGlueMatcher>(std::move(network), sinkhorn_iterations, pool);
+  const nn::SuperGlueOptions options = {.sinkhorn_iterations = sinkhorn_iterations};
+  return std::make_unique<NetworkPairMatcher<nn::SuperGlue, nn::SuperGlueOptions>>(
+      std::move(network), options, pool);
 }
 
 std::unique_ptr<Matcher> MakeLightGlueMatcher(std::shared_ptr<const nn::LightGlue> network,
                                               const nn::LightGlueOptions& options,
                                               nn::ThreadPool& pool) {
-  return std::make_unique<LightGlueMatcher>(std::move(network), options, pool);
+  options.Validate();
+  nn::LightGlueOptions possible = options;
+  if (!network->has_adaptive_depth()) {
+    possible.depth_confidence = 0.0F;
+  }
+  return std::make_unique<NetworkPairMatcher<nn::LightGlue, nn::LightGlueOptions>>(
+      std::move(network), possible, pool);
 }
 
 std::unique_ptr<Matcher> MakeNearestNeighborMatcher() {
