@@ -31,6 +31,7 @@ std::vector<cv::Point2d> ProjectWithOpenCv(const vo::StereoRig& rig, int camera,
   const cv::Matx33d matrix(model.fx, 0, model.cx, 0, model.fy, model.cy, 0, 0, 1);
   const std::vector<double> distortion(model.coefficients.begin(), model.coefficients.end());
   std::vector<cv::Point3d> points;
+  points.reserve(points_in_world.size());
   for (const Eigen::Vector3d& point : points_in_world) {
     points.emplace_back(point.x(), point.y(), point.z());
   }
