@@ -144,7 +144,9 @@ class HallTest : public ::testing::Test {
 
   std::vector<Eigen::Vector3d> PathPoints() const {
     std::vector<Eigen::Vector3d> points;
-    for (double time = 0.0; time < 21.0; time += 0.05) points.push_back(path_(time).translation);
+    for (int step = 0; step < 420; ++step) {
+      points.push_back(path_(0.05 * step).translation);
+    }
     return points;
   }
 
