@@ -143,8 +143,10 @@ class HallTest : public ::testing::Test {
         world_(MakeRoom(7, PlanRoom(PathPoints(), 2.6), PathPoints(), RoomStyle{0.02, 0.02}, 2)) {}
 
   std::vector<Eigen::Vector3d> PathPoints() const {
+    constexpr int kSteps = 420;
     std::vector<Eigen::Vector3d> points;
-    for (int step = 0; step < 420; ++step) {
+    points.reserve(kSteps);
+    for (int step = 0; step < kSteps; ++step) {
       points.push_back(path_(0.05 * step).translation);
     }
     return points;
