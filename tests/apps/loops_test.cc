@@ -14,7 +14,7 @@ namespace {
 class LoopsTest : public CommandTest {
  protected:
   std::string Flight(const std::string& duration_s) const {
-    const std::string path = Path("flight" + duration_s);
+    std::string path = Path("flight" + duration_s);
     const Outcome made = Run("simulate -o " + path + " --path hall_loop --duration " + duration_s +
                              " --rate 4 --width 320 --height 240");
     EXPECT_EQ(made.exit_code, 0) << made.error;
