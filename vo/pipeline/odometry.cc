@@ -8,6 +8,7 @@
 #include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/estimator/sliding_window.h"
+#include "odometry_frame_pose.h"
 
 namespace gluevo::vo {
 namespace {
@@ -35,18 +36,13 @@ const OdometryConfig& Checked(const OdometryConfig& config) {
 
 }  // namespace
 
-struct Odometry::FramePose {
-  Rigid3 world_from_body;
-  int inliers = 0;
-  std::vector<std::optional<PnpVerdict>> verdicts;  // One an observation, where it was judged.
-};
-
 Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
     : pool_(std::make_unique<nn::ThreadPool>(Checked(config).threads)),
       rig_(rig),
       frontend_(MakeFrontEnd(config.frontend, rig, LoadFrontEndNetworks(config.frontend), *pool_)),
       options_(config.odometry),
       window_(std::make_unique<SlidingWindow>(rig, options_.window)),
+      noise_(options_.pnp.noise_px, options_.keypoint_noise),
       votes_(options_.votes) {}
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
@@ -55,6 +51,7 @@ Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
       frontend_(std::move(frontend)),
       options_(options),
       window_(std::make_unique<SlidingWindow>(rig, options.window)),
+      noise_(options.pnp.noise_px, options.keypoint_noise),
       votes_(options.votes) {
   options_.Validate();
 }
@@ -69,6 +66,7 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   options_ = other.options_;
   window_ = std::move(other.window_);
   history_ = other.history_;
+  noise_ = other.noise_;
   votes_ = std::move(other.votes_);
   uncertainty_ = other.uncertainty_;
   keyframe_ns_ = other.keyframe_ns_;
@@ -169,50 +167,9 @@ bool Odometry::Retry(TrackedFrame& tracked) {
   return true;
 }
 
-std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
-                                                    FrameResult& result) const {
-  if (window_->empty()) {
-    return std::nullopt;
-  }
-  std::vector<SlidingWindow::Correspondence> correspondences =
-      window_->Correspond(frame, FromReferencePx(options_.pnp.noise_px));
-  std::erase_if(correspondences, [&](const SlidingWindow::Correspondence& correspondence) {
-    return votes_.Moves(frame.observations[correspondence.observation].track_id);
-  });
-  std::vector<PnpObservation> observations;
-  std::vector<const Observation*> seen;
-  observations.reserve(correspondences.size());
-  seen.reserve(correspondences.size());
-  for (const SlidingWindow::Correspondence& correspondence : correspondences) {
-    observations.push_back(correspondence.pnp);
-    seen.push_back(&frame.observations[correspondence.observation]);
-  }
-  votes_.Assign(seen, rig_.cameras[0].width, observations);
-  result.tracked = static_cast<int>(observations.size());
-  std::vector<Rigid3> guesses = history_.Guesses();
-  if (passed_over_ > 0) {
-    guesses.push_back(history_.Predict(frame.timestamp_ns));
-  }
-  const std::optional<PnpResult> pnp =
-      SolvePnp(window_->rig(), observations, guesses, options_.pnp);
-  if (!pnp) {
-    return std::nullopt;
-  }
-  if (!IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
-    result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
-    return std::nullopt;
-  }
-  result.is_doubtful = pnp->vote_share < options_.votes.doubtful_share;
-  FramePose pose{pnp->world_from_body, pnp->inliers, {}};
-  pose.verdicts.resize(frame.observations.size());
-  for (std::size_t i = 0; i < correspondences.size(); ++i) {
-    pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
-  }
-  return pose;
-}
-
 void Odometry::Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result) {
   votes_.Learn(tracked, pose.verdicts);
+  noise_.Learn(pose.median_error_px);
   TrackedFrame kept{tracked.timestamp_ns, {}, {}};
   std::vector<std::optional<PnpVerdict>> verdicts;
   kept.observations.reserve(tracked.observations.size());

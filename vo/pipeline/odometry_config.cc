@@ -6,6 +6,7 @@ namespace gluevo::vo {
 
 void OdometryOptions::Validate() const {
   pnp.Validate();
+  keypoint_noise.Validate();
   window.Validate();
   votes.Validate();
   CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
