@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "bench_work.h"
+#include "command_line/standard_streams.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
@@ -22,7 +24,6 @@
 #include "gluevo/nn/random_weights.h"
 #include "json_text.h"
 #include "options/network_options.h"
-#include "standard_streams.h"
 
 namespace gluevo::apps {
 namespace {
@@ -176,13 +177,13 @@ void AddBenchCommand(CLI::App& app) {
   const auto arguments = std::make_shared<BenchArguments>();
   BenchInputs& inputs = arguments->inputs;
   command->add_option("--network", arguments->network, "superpoint, superglue, aliked or lightglue")
-      ->check(CLI::IsMember({"superpoint", "superglue", "aliked", "lightglue"}))
+      ->check(OneOf({"superpoint", "superglue", "aliked", "lightglue"}))
       ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "Of the image, pixels")->capture_default_str();
   CLI::Option* const keypoints =
       command->add_option("--keypoints", inputs.keypoints, "Of each image")
-          ->check(CLI::Range(1, 100000))
+          ->check(Within(1, 100000))
           ->capture_default_str();
   command->add_option("--image", inputs.image, "Image for SuperPoint or ALIKED; default: noise")
       ->excludes(size);
@@ -197,7 +198,7 @@ void AddBenchCommand(CLI::App& app) {
                       "Write what goes in and what comes out to this .safetensors file");
   CLI::Option* const rounds =
       command->add_option("--rounds", arguments->rounds, "Timed calls, after one that is not")
-          ->check(CLI::Range(1, 100000))
+          ->check(Within(1, 100000))
           ->capture_default_str();
   CLI::Option* const json = command->add_flag("--json", arguments->json, "Print JSON");
   command
@@ -213,7 +214,7 @@ void AddBenchCommand(CLI::App& app) {
           ->add_option("--layers", arguments->layers,
                        "Random weights of the published size, SuperGlue's and LightGlue's with so "
                        "many layers (published: 18 and 9)")
-          ->check(CLI::Range(1, 100));
+          ->check(Within(1, 100));
   for (const char* const given :
        {"--weights", "--superpoint", "--superglue", "--aliked", "--lightglue"}) {
     layers->excludes(command->get_option(given));

@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
@@ -91,7 +93,7 @@ void PrintCalibration(const vo::Calibration& calibration) {
   const vo::StereoRig& rig = calibration.rig;
   std::cout << std::setprecision(10) << calibration.tool << ": ";
   for (std::size_t i = 0; i < calibration.files.size(); ++i) {
-    std::cout << (i > 0 ? ", " : "") << calibration.files[i].string();
+    std::cout << (i > 0 ? ", " : "") << OneLine(calibration.files[i].string());
   }
   std::cout << '\n';
   PrintCamera(rig.cameras[0], "left");
@@ -105,10 +107,10 @@ void PrintCalibration(const vo::Calibration& calibration) {
             << "rectified: " << (vo::IsRectified(rig) ? "yes" : "no") << '\n'
             << "body: " << rig.body_frame << '\n';
   for (const std::string& note : calibration.notes) {
-    std::cout << "note: " << note << '\n';
+    std::cout << "note: " << OneLine(note) << '\n';
   }
   for (const std::string& warning : calibration.warnings) {
-    std::cout << "warning: " << warning << '\n';
+    std::cout << "warning: " << OneLine(warning) << '\n';
   }
 }
 
@@ -182,7 +184,7 @@ void AddCalibrationCommand(CLI::App& app) {
   command->add_option("--size", arguments->size,
                       "Size of the images, WIDTHxHEIGHT, where the file lacks it or has several");
   command->add_option("--write", arguments->form, "Convert to kalibr (a file) or euroc (a folder)")
-      ->check(CLI::IsMember({"kalibr", "euroc"}));
+      ->check(OneOf({"kalibr", "euroc"}));
   command->add_option("-o,--output", arguments->output,
                       "Camchain to write, or folder of cam0/sensor.yaml and cam1/sensor.yaml");
   command->footer(

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
@@ -63,7 +65,8 @@ void MakeCodebook(const CodebookArguments& arguments) {
       DescribeAll(images, *extractor), networks.records.front().checksum, arguments.training);
   vo::WritePlaceCodebook(arguments.output, codebook);
   std::cout << images.size() << " images, " << codebook.centres().rows() << " centres of "
-            << codebook.descriptor_size() << " values: " << arguments.output.string() << '\n';
+            << codebook.descriptor_size() << " values: " << OneLine(arguments.output.string())
+            << '\n';
 }
 
 }  // namespace
@@ -77,7 +80,7 @@ void AddCodebookCommand(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Safetensors file to write")->required();
   command->add_option("--centres", arguments->training.centres, "How many")
       ->capture_default_str()
-      ->check(CLI::Range(1, 4096));
+      ->check(Within(1, 4096));
   AddFeaturesOption(*command, arguments->features);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer("Example:\n  gluevo codebook images/ --weights weights/ -o places.safetensors");

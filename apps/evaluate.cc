@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "evaluation_json.h"
@@ -114,7 +116,7 @@ std::optional<Segments> FindSegments(const EvaluateArguments& arguments,
     if (is_named) {
       throw;
     }
-    std::cerr << "gluevo: segments not used: " << error.what() << '\n';
+    PrintMessage("gluevo: note", std::string("segments not used: ") + error.what());
     return std::nullopt;
   }
   segments.evaluation =
@@ -216,7 +218,7 @@ void Evaluate(const EvaluateArguments& arguments) {
   const vo::Trajectory& groundtruth = inputs.groundtruth;
   // An input that was read in an unusual way may be why the evaluation fails: said before.
   for (const std::string& warning : inputs.warnings) {
-    std::cerr << "note: " << warning << '\n';
+    PrintMessage("gluevo: note", warning);
   }
   const vo::Evaluation evaluation = vo::Evaluate(estimate, groundtruth, arguments.options);
   const std::optional<Segments> segments = FindSegments(arguments, estimate, groundtruth);
@@ -226,7 +228,7 @@ void Evaluate(const EvaluateArguments& arguments) {
   for (const auto& warning :
        {vo::AssociationWarning(evaluation, arguments.options), vo::ScaleWarning(evaluation)}) {
     if (warning) {
-      std::cerr << "warning: " << *warning << '\n';
+      PrintMessage("gluevo: warning", *warning);
       inputs.warnings.push_back(*warning);
     }
   }
@@ -252,12 +254,12 @@ void AddEvaluateCommand(CLI::App& app) {
   command
       ->add_option("--max-time-difference", arguments->options.max_time_difference_s,
                    "Poses at most this far apart in time belong together, seconds")
-      ->check(CLI::NonNegativeNumber)
+      ->check(Within(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--delta", arguments->options.rpe_frames,
                    "Frames of the relative pose error over frames")
-      ->check(CLI::PositiveNumber)
+      ->check(AtLeast(1))
       ->capture_default_str();
   command->add_flag("--all-pairs", arguments->options.rpe_every_frame,
                     "Take it from every frame, not from every so many-th");

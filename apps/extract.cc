@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
@@ -53,16 +54,17 @@ std::optional<nn::Features> ExtractOrLeaveOut(const fs::path& file, int gray_bit
     return features;
   } catch (const Error& error) {
     ++remarks.left_out;
-    std::cerr << "gluevo: warning: " << error.what() << "; it is left out\n";
+    PrintMessage("gluevo: warning", std::string(error.what()) + "; it is left out");
     return std::nullopt;
   }
 }
 
 void Report(const Remarks& remarks) {
   if (remarks.turned > 0) {
-    std::cerr << "gluevo: note: " << remarks.turned
-              << " images ask to be turned (EXIF), which is never done: the first is "
-              << remarks.first_turned.string() << '\n';
+    PrintMessage("gluevo: note",
+                 std::to_string(remarks.turned) +
+                     " images ask to be turned (EXIF), which is never done: the first is " +
+                     remarks.first_turned.string());
   }
 }
 
@@ -108,7 +110,7 @@ void Extract(const ExtractArguments& arguments) {
   }
   writer.Finish();
   std::cout << images.size() - remarks.left_out << " images, " << keypoints
-            << " keypoints: " << arguments.output.string() << '\n';
+            << " keypoints: " << OneLine(arguments.output.string()) << '\n';
   if (remarks.left_out > 0) {
     std::cout << remarks.left_out << " images that cannot be read are left out\n";
   }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <set>
 
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "gluevo/nn/error.h"
 
@@ -19,6 +20,7 @@ class RunOptions {
  public:
   RunOptions() {
     AddRunCommand(app_);
+    CheckAllValues(app_);
     command_ = app_.get_subcommand("run");
   }
 

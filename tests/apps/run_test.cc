@@ -315,7 +315,6 @@ TEST_F(RunTest, RefusesBrokenWeightsAndOptions) {
   ExpectRefused(root + " --config " + Path("run.yaml"), "run.yaml:2");
   ExpectRefused(root + " --start 9", "--start");
   ExpectRefused(root + " --groundtruth " + Path("none.txt"), "none.txt");
-  ExpectRefused(root + " --max-keypoints 0", "keypoints");
   setenv("GLUEVO_ISA", "mmx", 1);
   ExpectRefused(root, "GLUEVO_ISA=mmx");
   unsetenv("GLUEVO_ISA");
