@@ -22,11 +22,15 @@
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/peak_share.h"
 #include "gluevo/nn/random_weights.h"
+#include "gluevo/nn/replaced_file.h"
 #include "json_text.h"
 #include "options/network_options.h"
 
 namespace gluevo::apps {
 namespace {
+
+// By which a file of --output is known again.
+constexpr const char* kOutputMark = "gluevo bench";
 
 struct BenchArguments {
   std::string network = "superpoint";
@@ -152,6 +156,7 @@ void Bench(BenchArguments arguments) {
     std::vector<std::filesystem::path> inputs = WeightsInputs(arguments.networks);
     inputs.insert(inputs.end(), {arguments.inputs.image, arguments.inputs.features});
     CheckOutputsAreNoInputs({arguments.output}, inputs);
+    nn::CheckReplacesOnly(arguments.output, kOutputMark, "a file of gluevo bench");
     nn::CheckPlaceForFile(arguments.output);
   }
   nn::ThreadPool pool(arguments.threads);
@@ -159,7 +164,9 @@ void Bench(BenchArguments arguments) {
   const vo::Networks networks = MakeNetworks(arguments);
   const BenchWork work = MakeWork(arguments, networks, workspace);
   if (!arguments.output.empty()) {
-    nn::WriteSafetensors(arguments.output, work.outputs());
+    nn::Weights outputs = work.outputs();
+    outputs.metadata["writer"] = kOutputMark;
+    nn::WriteSafetensors(arguments.output, outputs);
   }
   work.run();  // Warms up: memory and caches.
   if (arguments.on_request) {

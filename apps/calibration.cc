@@ -19,6 +19,7 @@
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/io/calibration.h"
 #include "gluevo/vo/io/output_directory.h"
 
@@ -114,8 +115,11 @@ void PrintCalibration(const vo::Calibration& calibration) {
   }
 }
 
+// By which a file of --write is known again.
+constexpr const char* kWriteMark = "# Written by gluevo calibration";
+
 void WriteCalibrationFile(const fs::path& path, const std::string& text) {
-  nn::WriteWholeFile(path, [&](std::ostream& out) { out << text; });
+  nn::WriteWholeFile(path, [&](std::ostream& out) { out << kWriteMark << '\n' << text; });
 }
 
 std::vector<fs::path> FilesToWrite(const CalibrationArguments& arguments) {
@@ -162,6 +166,9 @@ void RunCalibration(const CalibrationArguments& arguments) {
   }
   if (!arguments.form.empty()) {
     CheckOutputsAreNoInputs(FilesToWrite(arguments), calibration.files);
+    for (const fs::path& file : FilesToWrite(arguments)) {
+      nn::CheckReplacesOnly(file, kWriteMark, "a calibration that gluevo wrote");
+    }
   }
   PrintCalibration(calibration);
   if (!arguments.form.empty()) {

@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/io/image_file.h"
 #include "gluevo/vo/mapping/place_training.h"
 #include "interruption.h"
@@ -53,7 +54,7 @@ void MakeCodebook(const CodebookArguments& arguments) {
   std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
   inputs.push_back(arguments.images);
   CheckOutputsAreNoInputs({arguments.output}, inputs);
-  CheckReplacesOnly(arguments.output, "\"centres\"", "a place codebook");
+  nn::CheckReplacesOnly(arguments.output, "\"centres\"", "a place codebook");
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks = vo::LoadNetworks(arguments.networks, arguments.features, "");

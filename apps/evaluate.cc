@@ -21,6 +21,7 @@
 #include "evaluation_text.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/evaluation/time_scale.h"
@@ -210,7 +211,7 @@ void Evaluate(const EvaluateArguments& arguments) {
     CheckOutputsAreNoInputs({arguments.plot}, {arguments.estimate, arguments.groundtruth,
                                                arguments.times, arguments.segments});
     // The segments and times that are found by themselves are none either.
-    CheckReplacesOnly(arguments.plot, "<svg ", "an SVG file");
+    nn::CheckReplacesOnly(arguments.plot, "<svg ", "an SVG file");
     nn::CheckPlaceForFile(arguments.plot);
   }
   Inputs inputs = ReadInputs(arguments);

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "interruption.h"
@@ -73,7 +74,7 @@ void Extract(const ExtractArguments& arguments) {
   std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
   inputs.push_back(arguments.images);
   CheckOutputsAreNoInputs({arguments.output}, inputs);
-  CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
+  nn::CheckReplacesOnly(arguments.output, nn::kHdf5Mark, "an HDF5 file");
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);

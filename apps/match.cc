@@ -15,6 +15,7 @@
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "homography.h"
@@ -85,7 +86,7 @@ void MatchFile(const MatchArguments& arguments) {
   std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
   inputs.insert(inputs.end(), {arguments.inputs[0], arguments.pairs});
   CheckOutputsAreNoInputs({arguments.output}, inputs);
-  CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
+  nn::CheckReplacesOnly(arguments.output, nn::kHdf5Mark, "an HDF5 file");
   const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;

@@ -13,6 +13,7 @@
 #include "command_line/usage.h"
 #include "command_line/value_checks.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/nn/weights_folder.h"
 #include "gluevo/weights_tools/architecture.h"
@@ -60,6 +61,7 @@ std::filesystem::path OutputOf(const ConvertArguments& arguments, const std::str
       throw Error(path.string() + ": is an input itself, expected another file for the output");
     }
   }
+  nn::CheckReplacesOnly(path, kConvertedMark, "what gluevo-weights makes");
   nn::PlaceForFile(path);  // Throws where no file can be put.
   return path;
 }
