@@ -57,7 +57,8 @@ struct RunArguments {
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
-  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")->required();
+  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")
+      ->option_text("TEXT REQUIRED");
   command.add_option("--config", arguments.config_file,
                      "YAML file with values for any of these options; the command line goes first");
   AddDatasetOptions(command, arguments.frames);
@@ -277,6 +278,9 @@ void AddRunCommand(CLI::App& app) {
     const std::map<std::string, bool> given = OptionsGiven(*command);
     if (!arguments->config_file.empty()) {
       ApplyYamlConfig(*command, arguments->config_file);
+    }
+    if (arguments->places.folder.empty()) {
+      throw CLI::RequiredError("--output");  // Which the file may give.
     }
     Run(*arguments, *command, given);
   });
