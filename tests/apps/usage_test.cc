@@ -61,6 +61,7 @@ TEST_F(UsageTest, NumbersAreWhatTheyAreExpectedToBe) {
            {run + "--window 010", "--window: expected a whole number, got \"010\""},
            {run + "--window 0x10", "--window: expected a whole number, got \"0x10\""},
            {run + "--tracking-threshold 1", "--tracking-threshold: expected a number >= 0 and < 1"},
+           {run + "--depth-confidence 1", "--depth-confidence: expected a number >= 0 and < 1"},
            {run + "--strict=2", "--strict: expected true or false, got \"2\""},
            {"match a.png b.png --max-error nan", "--max-error: expected a number > 0, got \"nan\""},
            {"evaluate a b --delta 0", "--delta: expected a whole number >= 1, got \"0\""},
@@ -84,12 +85,12 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
       Run("simulate -o " + Path("flight") + " --duration 0.2 --rate 10 --width 96 --height 64")
           .exit_code,
       0);
-  const std::string run = "run " + Path("flight") + " --method klt -o " + Path("out");
+  const std::string run = "run " + Path("flight") + " --method klt -o " + Path("out") + " ";
   for (const std::string option :
        {"--window 2", "--iterations 0", "--klt-corners 0", "--keyframe-parallax 0",
         "--max-epipolar-error 0", "--min-distance -1", "--recovery-keyframes -1", "--max-ratio 2",
         "--min-confirmed-share 2"}) {
-    ExpectRefused(run + " " + option, 1, "(" + option.substr(0, option.find(' ')) + ")");
+    ExpectRefused(run + option, 1, "(" + option.substr(0, option.find(' ')) + ")");
   }
 }
 
