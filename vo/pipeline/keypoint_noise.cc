@@ -10,6 +10,7 @@ namespace gluevo::vo {
 void KeypointNoiseOptions::Validate() const {
   CheckPositive(least_px, "keypoint_noise.least_px");
   CheckWithin(largest_px, least_px, 1e3, "keypoint_noise.largest_px");
+  CheckWithin(margin, 1.0, 10.0, "keypoint_noise.margin");
   CheckWithin(share, 0.0, 1.0, "keypoint_noise.share");
 }
 
@@ -18,7 +19,7 @@ KeypointNoise::KeypointNoise(double start_px, const KeypointNoiseOptions& option
 
 void KeypointNoise::Learn(double median_error_px) {
   // Of the length of a vector whose two parts have a standard deviation of one (Rayleigh).
-  const double expected = std::sqrt(2.0 * std::log(2.0));
+  const double expected = std::sqrt(2.0 * std::log(2.0)) / options_.margin;
   // One frame without any sense is not to be felt for long.
   constexpr double kMostFactor = 2.0;
   const double factor =

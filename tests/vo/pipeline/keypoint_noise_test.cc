@@ -35,17 +35,19 @@ double AfterFrames(KeypointNoise noise, double sigma_px, double share_wrong) {
 }
 
 TEST(KeypointNoise, IsWhatFramesSay) {
-  const KeypointNoise start(1.5, {.least_px = 0.1, .largest_px = 10.0});
-  for (const double sigma_px : {0.3, 1.0, 4.0}) {
-    // 300 points leave a median uncertain by 6 %; of frames before some three count.
-    EXPECT_NEAR(AfterFrames(start, sigma_px, 0.0), sigma_px, 0.15 * sigma_px);
+  for (const double margin : {1.0, 1.4}) {
+    const KeypointNoise start(1.5, {.least_px = 0.1, .largest_px = 10.0, .margin = margin});
+    for (const double sigma_px : {0.3, 1.0, 4.0}) {
+      // 300 points leave a median uncertain by 6 %; of frames before some three count.
+      EXPECT_NEAR(AfterFrames(start, sigma_px, 0.0), margin * sigma_px, 0.15 * sigma_px);
+    }
   }
 }
 
 TEST(KeypointNoise, HardlyHeedsWrongMatches) {
   // The median of all is then that quantile of the right ones at which they are 0.5 / 0.75.
   const double factor = std::sqrt(std::log(3.0) / std::log(2.0));
-  const KeypointNoise start(1.5, {.least_px = 0.1, .largest_px = 10.0});
+  const KeypointNoise start(1.5, {.least_px = 0.1, .largest_px = 10.0, .margin = 1.0});
   EXPECT_NEAR(AfterFrames(start, 1.0, 0.25), factor, 0.15 * factor);
 }
 
@@ -59,7 +61,7 @@ TEST(KeypointNoise, StaysWithinItsBounds) {
 }
 
 TEST(KeypointNoise, OneFrameWithoutSenseIsSoonForgotten) {
-  KeypointNoise noise(1.5, {.least_px = 0.1, .largest_px = 100.0});
+  KeypointNoise noise(1.5, {.least_px = 0.1, .largest_px = 100.0, .margin = 1.0});
   noise.Learn(INFINITY);
   EXPECT_LT(noise.px(), 2.0);
   EXPECT_NEAR(AfterFrames(noise, 1.0, 0.0), 1.0, 0.15);
@@ -68,6 +70,7 @@ TEST(KeypointNoise, OneFrameWithoutSenseIsSoonForgotten) {
 TEST(KeypointNoiseOptions, AreChecked) {
   EXPECT_THROW((KeypointNoiseOptions{.least_px = 0.0}.Validate()), Error);
   EXPECT_THROW((KeypointNoiseOptions{.least_px = 2.0, .largest_px = 1.0}.Validate()), Error);
+  EXPECT_THROW((KeypointNoiseOptions{.margin = 0.9}.Validate()), Error);
   EXPECT_THROW((KeypointNoiseOptions{.share = 1.5}.Validate()), Error);
   EXPECT_NO_THROW(KeypointNoiseOptions{}.Validate());
 }

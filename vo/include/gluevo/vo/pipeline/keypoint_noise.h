@@ -8,6 +8,9 @@ struct KeypointNoiseOptions {
   /// What the frames say is taken within these, pixels (of kReferenceFocalPx). Equal ones fix it.
   double least_px = 0.8;
   double largest_px = 3.0;
+  /// Times what they say. A view within 99 of 100 is kept, so that without a margin every tenth
+  /// track of ten right views would end.
+  double margin = 1.4;
   /// How much a frame's say counts beside those before it, 0 to 1.
   double share = 0.3;
 
@@ -15,8 +18,8 @@ struct KeypointNoiseOptions {
   void Validate() const;
 };
 
-/// The standard deviation of keypoints, from how well poses explain the frames so far. By medians,
-/// so that things that move and wrong matches weigh little while they are less than half.
+/// The standard deviation to allow keypoints, from how well poses explain the frames so far. By
+/// medians, so that things that move and wrong matches weigh little while they are less than half.
 class KeypointNoise {
  public:
   /// `start_px`: until frames say more.
