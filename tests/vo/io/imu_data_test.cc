@@ -249,6 +249,7 @@ TEST_F(ImuDataTest, ConvertsDegreesThatNoSensorMeasuresAsRadians) {
 
 TEST_F(ImuDataTest, RefusesWhatIsTooSlow) {
   std::vector<ImuSample> samples;
+  samples.reserve(100);
   for (int i = 0; i < 100; ++i) {
     samples.push_back(SampleAt(i * kSecondNs / 10));
   }

@@ -35,9 +35,10 @@ std::string Rows(const std::vector<std::string>& times, const std::string& separ
   return text;
 }
 
-std::vector<std::string> Nanoseconds() {
+std::vector<std::string> Nanoseconds(int count = 4) {
   std::vector<std::string> times;
-  for (int i = 0; i < 4; ++i) {
+  times.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
     times.push_back(std::to_string(kStartNs + i * kStepNs));
   }
   return times;
@@ -132,11 +133,7 @@ TEST(ImuTableTest, TellsAccelerationsBeforeRates) {
 }
 
 TEST(ImuTableTest, LeavesOutRowsThatCannotBeRead) {
-  std::vector<std::string> times;
-  for (int i = 0; i < 40; ++i) {
-    times.push_back(std::to_string(kStartNs + i * kStepNs));
-  }
-  std::string text = Rows(times);
+  std::string text = Rows(Nanoseconds(40));
   text += "1403715273500000000,0.1,nan,0.3,0,0,9.8\n14037152735";
   const ImuTable table = ParseImuTable(text, "data.csv");
   EXPECT_EQ(table.samples.size(), 40U);
