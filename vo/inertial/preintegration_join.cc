@@ -1,0 +1,42 @@
+#include "gluevo/vo/geometry/manifold.h"
+#include "gluevo/vo/inertial/preintegration.h"
+
+namespace gluevo::vo {
+
+using inertial_block::kPosition;
+using inertial_block::kRotation;
+using inertial_block::kVelocity;
+
+Preintegration Join(const Preintegration& first, const Preintegration& second) {
+  const InertialMotion& motion = first.motion;
+  const InertialMotion rest = second.At(first.bias);
+  const double dt = second.duration_s;
+  const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
+
+  Preintegration joined;
+  joined.duration_s = first.duration_s + dt;
+  joined.bias = first.bias;
+  joined.motion = {(motion.rotation * rest.rotation).normalized(),
+                   motion.velocity + rotation * rest.velocity,
+                   motion.position + motion.velocity * dt + rotation * rest.position};
+
+  // How errors at the second's end follow from those at its begin, and from its own.
+  InertialMatrix own = InertialMatrix::Identity();
+  own.block<3, 3>(kPosition, kPosition) = rotation;
+  own.block<3, 3>(kVelocity, kVelocity) = rotation;
+  InertialMatrix transition = InertialMatrix::Identity();
+  transition.block<3, 3>(kPosition, kRotation) = -rotation * Skew(rest.position);
+  transition.block<3, 3>(kPosition, kVelocity) = dt * Eigen::Matrix3d::Identity();
+  transition.block<3, 3>(kRotation, kRotation) = rest.rotation.conjugate().toRotationMatrix();
+  transition.block<3, 3>(kVelocity, kRotation) = -rotation * Skew(rest.velocity);
+  transition.topRightCorner<9, 6>() = own.topLeftCorner<9, 9>() * second.by_bias;
+
+  Eigen::Matrix<double, kInertialTangentSize, 6> by_bias;
+  by_bias << first.by_bias, Eigen::Matrix<double, 6, 6>::Identity();
+  joined.by_bias = transition.topRows<9>() * by_bias;
+  joined.covariance = transition * first.covariance * transition.transpose() +
+                      own * second.covariance * own.transpose();
+  return joined;
+}
+
+}  // namespace gluevo::vo
