@@ -3,6 +3,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "dataset_formats.h"
 #include "gluevo/nn/error.h"
 #include "imu_faults.h"
 #include "imu_source.h"
@@ -84,7 +85,7 @@ void TakeOffShift(double shift_s, ImuData& data) {
 ImuFiles EurocImuFiles(const fs::path& mav0) {
   const fs::path folder = mav0 / "imu0";
   // TUM-VI has its calibrations beside mav0, in Kalibr's form.
-  const fs::path above = fs::absolute(mav0).lexically_normal().parent_path();
+  const fs::path above = FolderPath(mav0).parent_path();
   return {folder / "data.csv", {folder / "sensor.yaml", above / "dso" / "imu_config.yaml"}};
 }
 

@@ -316,6 +316,21 @@ TEST_F(ImuDataTest, EurocDataSetsHaveTheirUnit) {
   EXPECT_EQ(alone->samples.size(), data.samples.size());
 }
 
+TEST_F(ImuDataTest, TumViHasItsCalibrationBesideTheImages) {
+  const fs::path root = MakeEuroc();
+  AddImuTo(root, Samples(1));
+  fs::remove(root / "mav0/imu0/sensor.yaml");
+  WriteText(root / "dso/imu_config.yaml",
+            "accelerometer_noise_density: 0.0028\naccelerometer_random_walk: 0.00086\n"
+            "gyroscope_noise_density: 0.00016\ngyroscope_random_walk: 2.2e-05\n");
+  for (const char* const name : {"", "mav0", "mav0/"}) {
+    const Dataset dataset = OpenDataset(root / name, {});
+    ASSERT_TRUE(dataset.imu) << name;
+    EXPECT_TRUE(dataset.imu->warnings.empty()) << All(dataset.imu->warnings);
+    EXPECT_EQ(dataset.imu->noise.accelerometer_density, 0.0028) << name;
+  }
+}
+
 TEST_F(ImuDataTest, ABrokenUnitDoesNotSpoilTheImages) {
   const fs::path root = MakeEuroc();
   WriteText(root / "mav0/imu0/data.csv", "timestamp,wx\n1,2\n");
