@@ -70,7 +70,7 @@ void FitRotation(const std::vector<Turn>& turns, GyroscopeCheck& check) {
   // Of turns about one axis alone, the least rotation that brings it in line: about the axis any
   // further one would fit as well.
   constexpr double kFlat = 0.02;
-  const Eigen::Vector3d sizes = svd.singularValues();
+  const Eigen::Vector3d& sizes = svd.singularValues();
   const Eigen::Matrix3d rotation =
       sizes[1] > kFlat * sizes[0]
           ? Eigen::Matrix3d(svd.matrixU() * mirror * svd.matrixV().transpose())
