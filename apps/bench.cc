@@ -33,12 +33,12 @@ struct BenchArguments {
   BenchInputs inputs;
   std::filesystem::path output;
   int rounds = 20;
-  int layers = 0;  // Of SuperGlue with random weights; 0: the weights are given.
+  int layers = 0;  // Of SuperGlue or LightGlue with random weights; 0: the weights are given.
   bool on_request = false;
   bool json = false;
   vo::NetworkFiles networks;
+  nn::LightGlueOptions lightglue;
   int threads = 0;
-  nn::SuperPointOptions superpoint;
 };
 
 void ParseSize(const std::string& size, BenchInputs& inputs) {
@@ -48,28 +48,51 @@ void ParseSize(const std::string& size, BenchInputs& inputs) {
   }
 }
 
-bool IsSuperPoint(const BenchArguments& arguments) { return arguments.network == "superpoint"; }
+bool IsOfFeatures(const std::string& network) {
+  return network == "superpoint" || network == "aliked";
+}
 
 nn::Precision PrecisionOf(const BenchArguments& arguments) {
-  const bool is_bf16 = !IsSuperPoint(arguments) && arguments.networks.precision == "bf16";
+  const bool is_bf16 = arguments.network == "superglue" && arguments.networks.precision == "bf16";
   return is_bf16 ? nn::Precision::kBf16 : nn::Precision::kFloat;
 }
 
 vo::Networks MakeNetworks(const BenchArguments& arguments) {
+  const std::string& network = arguments.network;
   if (arguments.layers == 0) {
-    return vo::LoadNetworks(arguments.networks, !IsSuperPoint(arguments));
+    return IsOfFeatures(network) ? vo::LoadNetworks(arguments.networks, network, "")
+                                 : vo::LoadMatcher(arguments.networks, "", network);
   }
   vo::Networks networks;
-  if (IsSuperPoint(arguments)) {
-    const nn::Weights weights = nn::RandomSuperPointWeights();
+  nn::Weights weights;
+  if (network == "superpoint") {
+    weights = nn::RandomSuperPointWeights();
     networks.superpoint = std::make_shared<nn::SuperPoint>(weights);
-    networks.superpoint_record = {weights.source, weights.checksum};
-  } else {
-    const nn::Weights weights = nn::RandomSuperGlueWeights(arguments.layers);
+  } else if (network == "aliked") {
+    weights = nn::RandomAlikedWeights();
+    networks.aliked = std::make_shared<nn::Aliked>(weights);
+  } else if (network == "superglue") {
+    weights = nn::RandomSuperGlueWeights(arguments.layers);
     networks.superglue = std::make_shared<nn::SuperGlue>(weights, PrecisionOf(arguments));
-    networks.superglue_record = {weights.source, weights.checksum};
+  } else {
+    weights = nn::RandomLightGlueWeights(arguments.layers);
+    networks.lightglue = std::make_shared<nn::LightGlue>(weights);
   }
+  networks.records.push_back({network, weights.source, weights.checksum});
   return networks;
+}
+
+BenchWork MakeWork(const BenchArguments& arguments, const vo::Networks& networks,
+                   nn::Workspace& workspace) {
+  if (networks.superpoint != nullptr) {
+    return MakeSuperPointWork(networks, arguments.inputs, workspace);
+  }
+  if (networks.aliked != nullptr) {
+    return MakeAlikedWork(networks, arguments.inputs, workspace);
+  }
+  return networks.superglue != nullptr
+             ? MakeSuperGlueWork(networks, arguments.inputs, workspace)
+             : MakeLightGlueWork(networks, arguments.lightglue, arguments.inputs, workspace);
 }
 
 // For whoever alternates this program with others: one timed call for each line that comes in.
@@ -99,10 +122,9 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
   if (arguments.json) {
     nlohmann::ordered_json json;
     json["network"] = arguments.network;
-    json["weights"] =
-        (IsSuperPoint(arguments) ? networks.superpoint_record : networks.superglue_record).source;
-    if (!IsSuperPoint(arguments)) {
-      json["layers"] = networks.superglue->layers();
+    json["weights"] = networks.records.front().source;
+    if (work.layers > 0) {
+      json["layers"] = work.layers;
     }
     json["size"] = work.size;
     json["keypoints"] = work.keypoints;
@@ -126,20 +148,15 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
 void Bench(BenchArguments arguments) {
   ParseSize(arguments.size, arguments.inputs);
   if (!arguments.output.empty()) {
-    CheckOutputsAreNoInputs(
-        {arguments.output},
-        {arguments.inputs.image, arguments.inputs.features, arguments.networks.weights,
-         arguments.networks.superpoint, arguments.networks.superglue});
+    std::vector<std::filesystem::path> inputs = WeightsInputs(arguments.networks);
+    inputs.insert(inputs.end(), {arguments.inputs.image, arguments.inputs.features});
+    CheckOutputsAreNoInputs({arguments.output}, inputs);
     nn::CheckPlaceForFile(arguments.output);
   }
   nn::ThreadPool pool(arguments.threads);
   nn::Workspace workspace(pool);
   const vo::Networks networks = MakeNetworks(arguments);
-  arguments.superpoint.max_keypoints = arguments.inputs.keypoints;
-  const BenchWork work =
-      IsSuperPoint(arguments)
-          ? MakeSuperPointWork(networks, arguments.superpoint, arguments.inputs, workspace)
-          : MakeSuperGlueWork(networks, arguments.inputs, workspace);
+  const BenchWork work = MakeWork(arguments, networks, workspace);
   if (!arguments.output.empty()) {
     nn::WriteSafetensors(arguments.output, work.outputs());
   }
@@ -158,8 +175,8 @@ void AddBenchCommand(CLI::App& app) {
       app.add_subcommand("bench", "How fast the networks run on this machine");
   const auto arguments = std::make_shared<BenchArguments>();
   BenchInputs& inputs = arguments->inputs;
-  command->add_option("--network", arguments->network, "superpoint or superglue")
-      ->check(CLI::IsMember({"superpoint", "superglue"}))
+  command->add_option("--network", arguments->network, "superpoint, superglue, aliked or lightglue")
+      ->check(CLI::IsMember({"superpoint", "superglue", "aliked", "lightglue"}))
       ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "Of the image, pixels")->capture_default_str();
@@ -167,12 +184,13 @@ void AddBenchCommand(CLI::App& app) {
       command->add_option("--keypoints", inputs.keypoints, "Of each image")
           ->check(CLI::Range(1, 100000))
           ->capture_default_str();
-  command->add_option("--image", inputs.image, "Image for SuperPoint; default: noise")
+  command->add_option("--image", inputs.image, "Image for SuperPoint or ALIKED; default: noise")
       ->excludes(size);
   command
-      ->add_option("--features", inputs.features,
-                   "File with the features of two images for SuperGlue, .safetensors or .npz with "
-                   "keypoints0, scores0, descriptors0, size0, keypoints1, ...; default: random")
+      ->add_option(
+          "--features", inputs.features,
+          "File with the features of two images for SuperGlue or LightGlue, .safetensors "
+          "or .npz with keypoints0, scores0, descriptors0, size0, keypoints1, ...; default: random")
       ->excludes(size)
       ->excludes(keypoints);
   command->add_option("--output", arguments->output,
@@ -189,27 +207,30 @@ void AddBenchCommand(CLI::App& app) {
       ->excludes(rounds)
       ->excludes(json);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
+  AddLightGlueOptions(*command, arguments->lightglue);
   CLI::Option* const layers =
       command
           ->add_option("--layers", arguments->layers,
-                       "Random weights of the published size, SuperGlue's with so many layers "
-                       "(published: 18)")
+                       "Random weights of the published size, SuperGlue's and LightGlue's with so "
+                       "many layers (published: 18 and 9)")
           ->check(CLI::Range(1, 100));
-  for (const char* const given : {"--weights", "--superpoint", "--superglue"}) {
+  for (const char* const given :
+       {"--weights", "--superpoint", "--superglue", "--aliked", "--lightglue"}) {
     layers->excludes(command->get_option(given));
   }
   command->footer(
       "Prints the median and the least time of a call, its floating-point operations a second (as "
-      "published: direct convolutions of whole images) and their share of the multiply-adds that "
-      "as many threads reach on registers alone, measured before each call.\n\n"
+      "published: direct convolutions of whole images, of LightGlue's layers those that ran) and "
+      "their share of the multiply-adds that as many threads reach on registers alone, measured "
+      "before each call.\n\n"
       "Example:\n  gluevo bench --network superglue --keypoints 1024 --threads 2");
   command->callback([arguments] {
-    const bool is_superpoint = IsSuperPoint(*arguments);
-    if (is_superpoint && !arguments->inputs.features.empty()) {
-      throw CLI::ValidationError("SuperPoint takes no --features");
+    const bool takes_image = IsOfFeatures(arguments->network);
+    if (takes_image && !arguments->inputs.features.empty()) {
+      throw CLI::ValidationError("--network " + arguments->network + " takes no --features");
     }
-    if (!is_superpoint && !arguments->inputs.image.empty()) {
-      throw CLI::ValidationError("SuperGlue takes no --image");
+    if (!takes_image && !arguments->inputs.image.empty()) {
+      throw CLI::ValidationError("--network " + arguments->network + " takes no --image");
     }
     Bench(*arguments);
   });

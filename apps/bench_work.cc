@@ -1,6 +1,7 @@
 #include "bench_work.h"
 
 #include <algorithm>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <random>
 #include <string>
@@ -100,6 +101,41 @@ void AddFeatures(const nn::Features& features, const std::string& image, nn::Wei
   to.tensors["descriptors" + image] = TensorOf(features.descriptors);
 }
 
+cv::Mat ImageOf(const BenchInputs& inputs) {
+  return inputs.image.empty() ? Noise(inputs.width, inputs.height)
+                              : vo::ReadGrayImage(inputs.image).pixels;
+}
+
+nn::GrayImage View(const cv::Mat& image) {
+  return {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)};
+}
+
+void AddImage(const cv::Mat& image, nn::Weights& to) {
+  to.tensors["image"] = Tensor<float>({image.rows, image.cols});
+  std::copy(image.begin<uchar>(), image.end<uchar>(), to.tensors["image"].data());
+}
+
+std::shared_ptr<const FeaturePair> PairOf(const BenchInputs& inputs, int descriptor_size) {
+  return std::make_shared<const FeaturePair>(
+      inputs.features.empty() ? FeaturePair{RandomFeatures(inputs, descriptor_size, 1),
+                                            RandomFeatures(inputs, descriptor_size, 2)}
+                              : ReadFeaturePair(inputs.features));
+}
+
+// What goes into a matcher, and the matches.
+nn::Weights MatcherTensors(const FeaturePair& pair, const nn::Matches& matches) {
+  nn::Weights tensors;
+  tensors.tensors["matches0"] = TensorOfList(matches.matches0);
+  tensors.tensors["matching_scores0"] = TensorOfList(matches.scores0);
+  for (const auto& [image, features] :
+       {std::pair("0", &pair.features0), std::pair("1", &pair.features1)}) {
+    AddFeatures(*features, image, tensors);
+    tensors.tensors[std::string("size") + image] =
+        TensorOfList(std::vector{features->width, features->height});
+  }
+  return tensors;
+}
+
 }  // namespace
 
 FeaturePair ReadFeaturePair(const std::filesystem::path& path) {
@@ -107,14 +143,12 @@ FeaturePair ReadFeaturePair(const std::filesystem::path& path) {
   return {FeaturesOf(file, "0"), FeaturesOf(file, "1")};
 }
 
-BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointOptions& options,
-                             const BenchInputs& inputs, nn::Workspace& workspace) {
-  const cv::Mat image = inputs.image.empty() ? Noise(inputs.width, inputs.height)
-                                             : vo::ReadGrayImage(inputs.image).pixels;
+BenchWork MakeSuperPointWork(const vo::Networks& networks, const BenchInputs& inputs,
+                             nn::Workspace& workspace) {
+  const cv::Mat image = ImageOf(inputs);
+  const nn::SuperPointOptions options = {.max_keypoints = inputs.keypoints};
   const auto extract = [=, &workspace](nn::Features& features) {
-    networks.superpoint->Extract(
-        {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)}, options,
-        workspace, features);
+    networks.superpoint->Extract(View(image), options, workspace, features);
   };
   const auto run = [extract, features = nn::Features()]() mutable { extract(features); };
   const auto outputs = [=, &workspace] {
@@ -122,11 +156,8 @@ BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointO
     nn::Features features;
     extract(features);
     AddFeatures(features, "", tensors);
-    tensors.tensors["image"] = Tensor<float>({image.rows, image.cols});
-    std::copy(image.begin<uchar>(), image.end<uchar>(), tensors.tensors["image"].data());
-
-    const nn::SuperPoint::DenseMaps maps = networks.superpoint->Dense(
-        {image.data, image.cols, image.rows, static_cast<std::ptrdiff_t>(image.step)}, workspace);
+    AddImage(image, tensors);
+    const nn::SuperPoint::DenseMaps maps = networks.superpoint->Dense(View(image), workspace);
     tensors.tensors["score_map"] = TensorOf(maps.scores.Matrix());
     const nn::TensorView<float> cells = maps.descriptors;
     Tensor<float> channels_first({cells.extent(2), cells.extent(0), cells.extent(1)});
@@ -135,40 +166,92 @@ BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointO
     tensors.tensors["descriptor_map"] = std::move(channels_first);
     return tensors;
   };
-  return {SizeOf(image.cols, image.rows), options.max_keypoints,
-          networks.superpoint->Flops(image.cols, image.rows), run, outputs};
+  return {.size = SizeOf(image.cols, image.rows),
+          .keypoints = options.max_keypoints,
+          .flops = networks.superpoint->Flops(image.cols, image.rows),
+          .run = run,
+          .outputs = outputs};
+}
+
+BenchWork MakeAlikedWork(const vo::Networks& networks, const BenchInputs& inputs,
+                         nn::Workspace& workspace) {
+  const cv::Mat image = ImageOf(inputs);
+  const nn::AlikedOptions options = {.keypoint_threshold = 0.0F, .max_keypoints = inputs.keypoints};
+  const auto extract = [=, &workspace](nn::Features& features) {
+    networks.aliked->Extract(View(image), options, workspace, features);
+  };
+  const auto run = [extract, features = nn::Features()]() mutable { extract(features); };
+  const auto outputs = [=, &workspace] {
+    nn::Weights tensors;
+    nn::Features features;
+    extract(features);
+    AddFeatures(features, "", tensors);
+    AddImage(image, tensors);
+    tensors.tensors["score_map"] =
+        TensorOf(networks.aliked->Scores(View(image), workspace).Matrix());
+    return tensors;
+  };
+  return {.size = SizeOf(image.cols, image.rows),
+          .keypoints = options.max_keypoints,
+          .flops = networks.aliked->Flops(image.cols, image.rows, options.max_keypoints),
+          .run = run,
+          .outputs = outputs};
 }
 
 BenchWork MakeSuperGlueWork(const vo::Networks& networks, const BenchInputs& inputs,
                             nn::Workspace& workspace) {
-  const int size = networks.superglue->descriptor_size();
-  const auto pair = std::make_shared<const FeaturePair>(
-      inputs.features.empty()
-          ? FeaturePair{RandomFeatures(inputs, size, 1), RandomFeatures(inputs, size, 2)}
-          : ReadFeaturePair(inputs.features));
+  const auto pair = PairOf(inputs, networks.superglue->descriptor_size());
   const auto match = [=, &workspace](nn::Matches& matches) {
     networks.superglue->Match(pair->features0, pair->features1, {}, workspace, matches);
   };
   const auto run = [match, matches = nn::Matches()]() mutable { match(matches); };
   const auto outputs = [=, &workspace] {
-    nn::Weights tensors;
     nn::Matches matches;
     match(matches);
-    tensors.tensors["matches0"] = TensorOfList(matches.matches0);
-    tensors.tensors["matching_scores0"] = TensorOfList(matches.scores0);
-    AddFeatures(pair->features0, "0", tensors);
-    AddFeatures(pair->features1, "1", tensors);
-    tensors.tensors["size0"] =
-        TensorOfList(std::vector{pair->features0.width, pair->features0.height});
-    tensors.tensors["size1"] =
-        TensorOfList(std::vector{pair->features1.width, pair->features1.height});
+    nn::Weights tensors = MatcherTensors(*pair, matches);
     tensors.tensors["log_assignment"] =
         TensorOf(networks.superglue->LogAssignment(pair->features0, pair->features1, {}, workspace)
                      .Matrix());
     return tensors;
   };
-  return {SizeOf(pair->features0.width, pair->features0.height), pair->features0.size(),
-          networks.superglue->Flops(pair->features0.size(), pair->features1.size()), run, outputs};
+  return {.size = SizeOf(pair->features0.width, pair->features0.height),
+          .keypoints = pair->features0.size(),
+          .layers = networks.superglue->layers(),
+          .flops = networks.superglue->Flops(pair->features0.size(), pair->features1.size()),
+          .run = run,
+          .outputs = outputs};
+}
+
+BenchWork MakeLightGlueWork(const vo::Networks& networks, const nn::LightGlueOptions& given,
+                            const BenchInputs& inputs, nn::Workspace& workspace) {
+  nn::LightGlueOptions options = given;
+  if (!networks.lightglue->has_adaptive_depth()) {
+    options.depth_confidence = 0.0F;
+  }
+  const auto pair = PairOf(inputs, networks.lightglue->descriptor_size());
+  const auto match = [=, &workspace](nn::Matches& matches, nn::LightGlueEffort* effort) {
+    networks.lightglue->Match(pair->features0, pair->features1, options, workspace, matches,
+                              effort);
+  };
+  const auto run = [match, matches = nn::Matches()]() mutable { match(matches, nullptr); };
+  const auto outputs = [=, &workspace] {
+    nn::Matches matches;
+    match(matches, nullptr);
+    nn::Weights tensors = MatcherTensors(*pair, matches);
+    tensors.tensors["log_assignment"] = TensorOf(
+        networks.lightglue->LogAssignment(pair->features0, pair->features1, workspace).Matrix());
+    return tensors;
+  };
+  nn::Matches matches;
+  nn::LightGlueEffort effort;
+  match(matches, &effort);
+  return {.size = SizeOf(pair->features0.width, pair->features0.height),
+          .keypoints = pair->features0.size(),
+          .layers = effort.layers,
+          .flops = networks.lightglue->Flops(pair->features0.size(), pair->features1.size(),
+                                             effort.layers),
+          .run = run,
+          .outputs = outputs};
 }
 
 }  // namespace gluevo::apps

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "gluevo/nn/superpoint.h"
+#include "gluevo/nn/lightglue.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/nn/workspace.h"
 #include "gluevo/vo/pipeline/networks.h"
@@ -15,7 +15,7 @@ namespace gluevo::apps {
 struct BenchInputs {
   int width = 752;                 ///< Pixels; of the image, or of the images the features are of.
   int height = 480;                ///< Pixels.
-  int keypoints = 500;             ///< At most so many (SuperPoint) or this number (SuperGlue).
+  int keypoints = 500;             ///< At most so many are found, or this number is matched.
   std::filesystem::path image;     ///< Empty: noise of the size above.
   std::filesystem::path features;  ///< Empty: random ones; as ReadFeaturePair takes them.
 };
@@ -24,7 +24,8 @@ struct BenchInputs {
 /// with.
 struct BenchWork {
   std::string size;    ///< "752x480", pixels, of the image or of the one that features0 are of.
-  int keypoints = 0;   ///< At most so many (SuperPoint), or those of features0 (SuperGlue).
+  int keypoints = 0;   ///< At most so many are found, or those of features0.
+  int layers = 0;      ///< Of a matcher, those that run; 0 of the others.
   double flops = 0.0;  ///< Floating-point operations of one call, as published.
   /// One call: from the image to keypoints and descriptors, or from two sets of them to matches.
   std::function<void()> run;
@@ -33,10 +34,16 @@ struct BenchWork {
   std::function<nn::Weights()> outputs;
 };
 
-BenchWork MakeSuperPointWork(const vo::Networks& networks, const nn::SuperPointOptions& options,
-                             const BenchInputs& inputs, nn::Workspace& workspace);
+/// Of the one network that was loaded. SuperPoint with its usual threshold of scores, ALIKED with
+/// none, so that the best keypoints are found however small the scores are.
+BenchWork MakeSuperPointWork(const vo::Networks& networks, const BenchInputs& inputs,
+                             nn::Workspace& workspace);
+BenchWork MakeAlikedWork(const vo::Networks& networks, const BenchInputs& inputs,
+                         nn::Workspace& workspace);
 BenchWork MakeSuperGlueWork(const vo::Networks& networks, const BenchInputs& inputs,
                             nn::Workspace& workspace);
+BenchWork MakeLightGlueWork(const vo::Networks& networks, const nn::LightGlueOptions& options,
+                            const BenchInputs& inputs, nn::Workspace& workspace);
 
 /// Features of two images from a .safetensors or .npz file with keypoints0 [N x 2] (pixels),
 /// scores0 [N], descriptors0 [N x D], size0 [2] (width, height of the image) and the same of image

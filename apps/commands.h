@@ -14,5 +14,6 @@ void AddExtractCommand(CLI::App& app);
 void AddMatchCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
+void AddWeightsCommand(CLI::App& app);
 
 }  // namespace gluevo::apps

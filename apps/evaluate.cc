@@ -16,6 +16,7 @@
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "evaluation_json.h"
+#include "evaluation_text.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/evaluation/evaluation.h"
@@ -62,19 +63,19 @@ void PrintJson(const vo::Evaluation& evaluation, const std::optional<Segments>& 
 
 void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>& segments,
                 const vo::EvaluationOptions& options) {
+  const RpeText rpe = TextOfRpe(evaluation, 6, 6);
   std::cout << std::fixed << std::setprecision(6)  //
             << "associated poses            " << evaluation.pairs << " of "
             << std::min(evaluation.estimate_poses, evaluation.groundtruth_poses) << '\n'
             << "ATE, SE(3) aligned          " << evaluation.ate_se3_m << " m\n"
             << "ATE, Sim(3) aligned         " << evaluation.ate_sim3_m << " m\n"
-            << "scale                       " << evaluation.scale << '\n'
-            << "RPE, translation            " << evaluation.rpe_translation_percent << " %\n"
-            << "RPE, rotation               " << evaluation.rpe_rotation_deg_per_m << " deg/m\n"
+            << "scale                       " << TextOfScale(evaluation, 6) << '\n'
+            << "RPE, translation            " << rpe.translation << '\n'
+            << "RPE, rotation               " << rpe.rotation << '\n'
             << "RPE over " << std::left << std::setw(19)
             << (std::to_string(options.rpe_frames) +
                 (options.rpe_frames == 1 ? " frame" : " frames"))
-            << evaluation.rpe_frames_translation_m << " m, " << evaluation.rpe_frames_rotation_deg
-            << " deg\n"
+            << TextOfRpeOverFrames(evaluation, 6) << '\n'
             << "correct motions             " << evaluation.correct_motions << " of "
             << evaluation.pairs - 1 << '\n'
             << "coverage of the time        " << 100.0 * evaluation.coverage << " %\n";

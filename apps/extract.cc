@@ -1,4 +1,4 @@
-// gluevo extract: SuperPoint over a folder of images.
+// gluevo extract: SuperPoint or ALIKED over a folder of images.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -6,6 +6,8 @@
 #include <memory>
 #include <opencv2/core/utility.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "commands.h"
 #include "distinct_outputs.h"
@@ -25,9 +27,11 @@ namespace fs = std::filesystem;
 struct ExtractArguments {
   fs::path images;
   fs::path output;
+  std::string features = "superpoint";
   vo::NetworkFiles networks;
   int threads = 0;
-  nn::SuperPointOptions superpoint;
+  std::optional<float> keypoint_threshold;  // What suits the features where it is not given.
+  int max_keypoints = 1024;
 };
 
 // What a user should know about images, said once for each kind.
@@ -64,15 +68,20 @@ void Report(const Remarks& remarks) {
 
 void Extract(const ExtractArguments& arguments) {
   const Interruption interruption;
-  CheckOutputsAreNoInputs({arguments.output}, {arguments.images, arguments.networks.weights,
-                                               arguments.networks.superpoint});
+  std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
+  inputs.push_back(arguments.images);
+  CheckOutputsAreNoInputs({arguments.output}, inputs);
   CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);
-  const vo::Networks networks = vo::LoadNetworks(arguments.networks, /*with_superglue=*/false);
-  const std::unique_ptr<vo::FeatureExtractor> extractor =
-      vo::MakeExtractor(networks, arguments.superpoint, pool);
+  const vo::Networks networks = vo::LoadNetworks(arguments.networks, arguments.features, "");
+  const std::unique_ptr<vo::FeatureExtractor> extractor = vo::MakeExtractor(
+      networks,
+      {.keypoint_threshold =
+           arguments.keypoint_threshold.value_or(vo::UsualKeypointThreshold(arguments.features)),
+       .max_keypoints = arguments.max_keypoints},
+      pool);
 
   vo::FeatureWriter writer(arguments.output);
   std::size_t keypoints = 0;
@@ -109,14 +118,16 @@ void Extract(const ExtractArguments& arguments) {
 
 void AddExtractCommand(CLI::App& app) {
   CLI::App* const command = app.add_subcommand(
-      "extract", "SuperPoint over all images below a folder, into an HDF5 file (hloc's layout)");
+      "extract",
+      "SuperPoint or ALIKED over all images below a folder, into an HDF5 file (hloc's layout)");
   const auto arguments = std::make_shared<ExtractArguments>();
   command
       ->add_option("IMAGES", arguments->images,
                    "Folder of images or data set; an image's name is its path below it")
       ->required();
   command->add_option("-o,--output", arguments->output, "HDF5 file to write")->required();
-  AddSuperPointOptions(*command, arguments->superpoint);
+  AddFeaturesOption(*command, arguments->features);
+  AddKeypointOptions(*command, arguments->keypoint_threshold, arguments->max_keypoints);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer("Example:\n  gluevo extract images/ -o features.h5 --max-keypoints 2048");
   command->callback([arguments] { Extract(*arguments); });

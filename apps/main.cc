@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   gluevo::apps::AddExperimentCommand(app);
   gluevo::apps::AddSimulateCommand(app);
   gluevo::apps::AddBenchCommand(app);
+  gluevo::apps::AddWeightsCommand(app);
   try {
     return Run(app, argc, argv);
   } catch (const gluevo::apps::Interrupted& interrupted) {

@@ -1,8 +1,7 @@
-// gluevo match: SuperGlue (or mutual nearest neighbours) over listed pairs or two images.
+// gluevo match: SuperGlue, LightGlue or mutual nearest neighbours over listed pairs or two images.
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <iomanip>
 #include <iostream>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
+#include "homography.h"
 #include "interruption.h"
 #include "json_text.h"
 #include "match_drawing.h"
@@ -37,16 +37,25 @@ struct MatchArguments {
   fs::path homography;
   double max_error_px = 3.0;
   bool json = false;
-  std::string matcher = "superglue";
-  float threshold = 0.2F;
+  std::string features = "superpoint";
+  bool features_given = false;
+  std::string matcher;             // Empty: what goes with the features.
+  std::optional<float> threshold;  // Of matches and of keypoints: what suits, where not given.
+  std::optional<float> keypoint_threshold;
+  int max_keypoints = 1024;
+  nn::LightGlueOptions lightglue;
   vo::NetworkFiles networks;
   int threads = 0;
-  nn::SuperPointOptions superpoint;
 };
+
+std::string MatcherOf(const MatchArguments& arguments) {
+  return vo::MatcherOf(arguments.features, arguments.matcher);
+}
 
 // A cosine is no confidence of a matcher that was trained: nearest neighbours take all.
 float Threshold(const MatchArguments& arguments) {
-  return arguments.matcher == "nn" ? 0.0F : arguments.threshold;
+  const std::string matcher = MatcherOf(arguments);
+  return matcher == "nn" ? 0.0F : arguments.threshold.value_or(vo::UsualMatchThreshold(matcher));
 }
 
 int CountMatches(const nn::Matches& matches) {
@@ -54,19 +63,34 @@ int CountMatches(const nn::Matches& matches) {
                                         [](int match) { return match >= 0; }));
 }
 
+// Errors name the file and the pair.
+nn::Matches MatchNamed(vo::Matcher& matcher, const vo::FeatureReader& reader,
+                       const std::pair<std::string, std::string>& pair,
+                       const MatchArguments& arguments) {
+  const nn::Features features0 = reader.Read(pair.first);
+  const nn::Features features1 = reader.Read(pair.second);
+  try {
+    return matcher.Match(features0, features1, Threshold(arguments));
+  } catch (const Error& error) {
+    throw Error(arguments.inputs[0].string() + ": pair " + Quoted(pair.first) + ", " +
+                Quoted(pair.second) + ": " + error.what() +
+                " (--features and --matcher choose networks)");
+  }
+}
+
 void MatchFile(const MatchArguments& arguments) {
   const Interruption interruption;
-  CheckOutputsAreNoInputs({arguments.output},
-                          {arguments.inputs[0], arguments.pairs, arguments.networks.weights,
-                           arguments.networks.superpoint, arguments.networks.superglue});
+  std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
+  inputs.insert(inputs.end(), {arguments.inputs[0], arguments.pairs});
+  CheckOutputsAreNoInputs({arguments.output}, inputs);
   CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
   const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;
   nn::ThreadPool pool(arguments.threads);
-  const vo::Networks networks =
-      vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
-  const std::unique_ptr<vo::Matcher> matcher = vo::MakeMatcher(networks, pool);
+  const vo::Networks networks = vo::LoadMatcher(
+      arguments.networks, arguments.features_given ? arguments.features : "", MatcherOf(arguments));
+  const std::unique_ptr<vo::Matcher> matcher = vo::MakeMatcher(networks, pool, arguments.lightglue);
 
   vo::MatchWriter writer(arguments.output);
   std::size_t total = 0;
@@ -76,8 +100,7 @@ void MatchFile(const MatchArguments& arguments) {
       // A file that lacks pairs would pass for a whole one: what is done is given up.
       Interruption::Check();
       const auto& [name0, name1] = pairs[i];
-      const nn::Matches matches =
-          matcher->Match(reader.Read(name0), reader.Read(name1), Threshold(arguments));
+      const nn::Matches matches = MatchNamed(*matcher, reader, pairs[i], arguments);
       writer.Add(name0, name1, matches);
       total += static_cast<std::size_t>(CountMatches(matches));
       progress.Update(i + 1, std::to_string(CountMatches(matches)) + " matches");
@@ -92,55 +115,6 @@ void MatchFile(const MatchArguments& arguments) {
   if (list.renamed > 0) {
     std::cout << list.renamed << " pairs are stored under the names that the features have\n";
   }
-}
-
-// A 3 x 3 matrix in an OpenCV yaml or xml file, or nine numbers in a text file.
-cv::Matx33d ReadHomography(const fs::path& path) {
-  const auto fail = [&]() -> cv::Matx33d {
-    throw Error(path.string() +
-                ": no homography, expected nine numbers or an OpenCV file with a 3 x 3 matrix");
-  };
-  cv::Matx33d homography;
-  std::ifstream file(path);
-  int count = 0;
-  while (count < 9 && file >> homography.val[count]) {
-    ++count;
-  }
-  if (count == 9) {
-    return homography;
-  }
-  try {
-    const cv::FileStorage storage(path.string(), cv::FileStorage::READ);
-    cv::Mat matrix;
-    for (const cv::FileNode node : storage.root()) {
-      node >> matrix;
-      if (matrix.rows == 3 && matrix.cols == 3) {
-        matrix.convertTo(matrix, CV_64F);
-        return cv::Matx33d(matrix.ptr<double>());
-      }
-    }
-  } catch (const cv::Exception&) {
-    return fail();
-  }
-  return fail();
-}
-
-// Matches whose point of image 0 the homography takes to within `max_error_px` of its mate.
-int CountRight(const nn::Features& features0, const nn::Features& features1,
-               const nn::Matches& matches, const cv::Matx33d& homography, double max_error_px) {
-  int right = 0;
-  for (int i = 0; i < features0.size(); ++i) {
-    if (matches.matches0[i] >= 0) {
-      const cv::Vec3d moved =
-          homography * cv::Vec3d(features0.keypoints(i, 0), features0.keypoints(i, 1), 1.0);
-      const auto mate = features1.keypoints.row(matches.matches0[i]);
-      right +=
-          std::hypot(moved[0] / moved[2] - mate[0], moved[1] / moved[2] - mate[1]) <= max_error_px
-              ? 1
-              : 0;
-    }
-  }
-  return right;
 }
 
 cv::Mat ReadImage(const fs::path& file, int gray_bits) {
@@ -167,13 +141,17 @@ void MatchImages(const MatchArguments& arguments) {
                             ReadImage(arguments.inputs[1], gray_bits)};
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks =
-      vo::LoadNetworks(arguments.networks, arguments.matcher == "superglue");
-  const std::unique_ptr<vo::FeatureExtractor> extractor =
-      vo::MakeExtractor(networks, arguments.superpoint, pool);
+      vo::LoadNetworks(arguments.networks, arguments.features, MatcherOf(arguments));
+  const std::unique_ptr<vo::FeatureExtractor> extractor = vo::MakeExtractor(
+      networks,
+      {.keypoint_threshold =
+           arguments.keypoint_threshold.value_or(vo::UsualKeypointThreshold(arguments.features)),
+       .max_keypoints = arguments.max_keypoints},
+      pool);
   const nn::Features features0 = ExtractNamed(*extractor, images[0], arguments.inputs[0]);
   const nn::Features features1 = ExtractNamed(*extractor, images[1], arguments.inputs[1]);
-  const nn::Matches matches =
-      vo::MakeMatcher(networks, pool)->Match(features0, features1, Threshold(arguments));
+  const nn::Matches matches = vo::MakeMatcher(networks, pool, arguments.lightglue)
+                                  ->Match(features0, features1, Threshold(arguments));
   const int count = CountMatches(matches);
 
   if (!arguments.draw.empty()) {
@@ -181,7 +159,7 @@ void MatchImages(const MatchArguments& arguments) {
   }
   std::optional<int> right;
   if (homography) {
-    right = CountRight(features0, features1, matches, *homography, arguments.max_error_px);
+    right = CountNear(features0, features1, matches, *homography, arguments.max_error_px);
   }
   if (arguments.json) {
     nlohmann::ordered_json json;
@@ -217,8 +195,8 @@ void MatchImages(const MatchArguments& arguments) {
 }  // namespace
 
 void AddMatchCommand(CLI::App& app) {
-  CLI::App* const command =
-      app.add_subcommand("match", "SuperGlue over pairs of a features file, or over two images");
+  CLI::App* const command = app.add_subcommand(
+      "match", "SuperGlue or LightGlue over pairs of a features file, or two images");
   const auto arguments = std::make_shared<MatchArguments>();
   command->add_option("INPUT", arguments->inputs, "features.h5, or two images")
       ->required()
@@ -236,21 +214,19 @@ void AddMatchCommand(CLI::App& app) {
                    "A match this close to the homography is right, pixels")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command
-      ->add_option("--matcher", arguments->matcher,
-                   "superglue, or nn for mutual nearest neighbours")
-      ->check(CLI::IsMember({"superglue", "nn"}))
-      ->capture_default_str();
-  command
-      ->add_option("--match-threshold", arguments->threshold,
-                   "Confidence above which SuperGlue's pairs are matches")
-      ->capture_default_str();
-  AddSuperPointOptions(*command, arguments->superpoint);
+  AddFeaturesOption(*command, arguments->features);
+  AddMatcherOption(*command, arguments->matcher);
+  command->add_option("--match-threshold", arguments->threshold,
+                      "Confidence above which pairs are matches; default: 0.2 of SuperGlue, 0.1 of "
+                      "LightGlue");
+  AddKeypointOptions(*command, arguments->keypoint_threshold, arguments->max_keypoints);
+  AddLightGlueOptions(*command, arguments->lightglue);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer(
       "Examples:\n  gluevo match features.h5 --pairs pairs.txt -o matches.h5\n"
       "  gluevo match a.png b.png --draw matches.png");
-  command->callback([arguments] {
+  command->callback([arguments, command] {
+    arguments->features_given = command->count("--features") > 0;
     const bool images = arguments->inputs.size() == 2;
     if (images && (!arguments->pairs.empty() || !arguments->output.empty())) {
       throw CLI::ValidationError("two images take neither --pairs nor --output");

@@ -24,6 +24,7 @@
 #include "options/dataset_options.h"
 #include "options/estimator_options.h"
 #include "options/frontend_options.h"
+#include "options/network_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
 #include "run_frames.h"
@@ -85,10 +86,11 @@ void CheckOutputs(const RunArguments& arguments) {
   std::vector<fs::path> outputs = OutputFiles(arguments.places);
   outputs.push_back(arguments.save_matches);
   std::vector<fs::path> inputs = arguments.frames.calibration;
-  const vo::NetworkFiles& networks = arguments.config.frontend.networks;
   for (const fs::path& input :
-       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        networks.weights, networks.superpoint, networks.superglue}) {
+       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth}) {
+    inputs.push_back(input);
+  }
+  for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
     inputs.push_back(input);
   }
   CheckOutputsAreNoInputs(outputs, inputs);
@@ -107,6 +109,8 @@ std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
 struct Setup {
   vo::Dataset dataset;
   std::string method;
+  std::string features;  ///< Empty where the method has none, as the next.
+  std::string matcher;
   OptionOrigins origins;
   vo::Networks networks;
   std::unique_ptr<vo::FrontEnd> frontend;
@@ -133,11 +137,14 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
   setup.reads_images = !store || !arguments.places.map.empty();
   if (store) {
-    setup.networks.superpoint_record = ReplayedWeights(*store, "superpoint");
-    setup.networks.superglue_record = ReplayedWeights(*store, "superglue");
+    setup.networks.records = ReplayedWeights(*store);
+    setup.features = ReplayedFeatures(*store);
+    setup.matcher = ReplayedMatcher(*store);
     setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
                                                           TimesOf(setup.dataset));
   } else {
+    setup.features = setup.method == "klt" ? "" : arguments.config.frontend.features;
+    setup.matcher = vo::MatcherOf(arguments.config.frontend);
     setup.networks = vo::LoadFrontEndNetworks(arguments.config.frontend);
     setup.frontend =
         vo::MakeFrontEnd(arguments.config.frontend, setup.dataset.rig, setup.networks, pool);
@@ -205,9 +212,10 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
     throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
   RunMetrics::Context context = {.method = setup.method,
+                                 .features = setup.features,
+                                 .matcher = setup.matcher,
                                  .threads = pool.size(),
-                                 .superpoint = setup.networks.superpoint_record,
-                                 .superglue = setup.networks.superglue_record,
+                                 .weights = setup.networks.records,
                                  .options = OptionValues(command),
                                  .origins = setup.origins,
                                  .dataset_warnings = setup.dataset.warnings,

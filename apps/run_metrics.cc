@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "evaluation_json.h"
+#include "evaluation_text.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
 #include "json_text.h"
@@ -37,6 +38,28 @@ double PeakMemoryMb() {
   rusage usage = {};
   getrusage(RUSAGE_SELF, &usage);
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
+}
+
+// The numbers of the frames whose poses are to be taken with care.
+void AddMarkedFrames(const std::vector<vo::FrameResult>& frames, Json& json) {
+  for (const auto& [key, flag] : {std::pair{"frames_predicted", &vo::FrameResult::is_predicted},
+                                  std::pair{"frames_doubtful", &vo::FrameResult::is_doubtful},
+                                  std::pair{"frames_left_only", &vo::FrameResult::is_left_only}}) {
+    json[key] = Json::array();
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      if (frames[i].*flag) {
+        json[key].push_back(i);
+      }
+    }
+  }
+}
+
+// As its paper calls it.
+std::string NetworkTitle(const std::string& network) {
+  return network == "superpoint"  ? "SuperPoint"
+         : network == "superglue" ? "SuperGlue"
+         : network == "aliked"    ? "ALIKED"
+                                  : "LightGlue";
 }
 
 void AddOptions(const RunMetrics::Context& context, Json& json) {
@@ -111,11 +134,9 @@ RunReport RunMetrics::Report(const Context& context) const {
   for (const auto& [option, values] : context.options) {
     report.options.emplace_back(option, ValueText(values));
   }
-  for (const auto& [network, record] :
-       {std::pair{"SuperPoint", context.superpoint}, std::pair{"SuperGlue", context.superglue}}) {
-    if (!record.source.empty()) {
-      report.weights.push_back({network, record.source, record.checksum});
-    }
+  report.weights.reserve(context.weights.size());
+  for (const vo::WeightsRecord& record : context.weights) {
+    report.weights.push_back({NetworkTitle(record.network), record.source, record.checksum});
   }
   report.version = GLUEVO_VERSION;
   report.processor = ProcessorName();
@@ -135,12 +156,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   for (const LeftOut& left_out : left_out_) {
     json["frames_left_out"].push_back({{"frame", left_out.frame}, {"why", left_out.why}});
   }
-  json["frames_predicted"] = Json::array();
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    if (frames_[i].is_predicted) {
-      json["frames_predicted"].push_back(i);
-    }
-  }
+  AddMarkedFrames(frames_, json);
   json["frames_with_pose"] = frames_.size();
   json["keyframes"] = std::count_if(frames_.begin(), frames_.end(),
                                     [](const vo::FrameResult& frame) { return frame.is_keyframe; });
@@ -171,18 +187,22 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["matches_per_frame"] = {{"found", MedianMatches(&vo::FrameResult::matched)},
                                {"tracked", MedianMatches(&vo::FrameResult::tracked)},
                                {"fit", MedianMatches(&vo::FrameResult::inliers)},
-                               {"stereo", MedianMatches(&vo::FrameResult::stereo)}};
+                               {"stereo", MedianMatches(&vo::FrameResult::stereo)},
+                               {"moving", MedianMatches(&vo::FrameResult::moving)}};
   json["peak_memory_mb"] = PeakMemoryMb();
   json["isa"] = nn::IsaName(nn::ChooseIsa());
   json["threads"] = context.threads;
   json["weights"] = Json::object();
-  for (const auto& [network, record] :
-       {std::pair{"superpoint", context.superpoint}, std::pair{"superglue", context.superglue}}) {
-    if (!record.source.empty()) {
-      json["weights"][network] = {{"name", record.source}, {"sha256", record.checksum}};
-    }
+  for (const vo::WeightsRecord& record : context.weights) {
+    json["weights"][record.network] = {{"name", record.source}, {"sha256", record.checksum}};
   }
   json["method"] = context.method;
+  for (const auto& [key, name] :
+       {std::pair("features", context.features), {"matcher", context.matcher}}) {
+    if (!name.empty()) {
+      json[key] = name;
+    }
+  }
   json["preset"] = context.origins.preset;
   json["preset_from"] = context.origins.preset_from;
   AddOptions(context, json);
@@ -220,10 +240,10 @@ std::string RunMetrics::Summary(const Context& context) const {
     text << "warning: evaluation: " << context.evaluation_warning << '\n';
   }
   if (const std::optional<vo::Evaluation>& evaluation = context.evaluation; evaluation) {
+    const RpeText rpe = TextOfRpe(*evaluation, 3, 4);
     text << std::setprecision(4) << "ATE " << evaluation->ate_se3_m << " m (SE3), "
-         << evaluation->ate_sim3_m << " m (Sim3, scale " << evaluation->scale << "); RPE "
-         << std::setprecision(3) << evaluation->rpe_translation_percent << " %, "
-         << std::setprecision(4) << evaluation->rpe_rotation_deg_per_m << " deg/m; correct motions "
+         << evaluation->ate_sim3_m << " m (Sim3, scale " << TextOfScale(*evaluation, 4) << "); RPE "
+         << rpe.translation << (rpe.is_known ? ", " + rpe.rotation : "") << "; correct motions "
          << evaluation->correct_motions << " of " << evaluation->pairs - 1 << "; coverage "
          << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
   }

@@ -23,9 +23,10 @@ class RunMetrics {
   /// What the record says beside the frames.
   struct Context {
     std::string method;
+    std::string features;  ///< Empty where the method has none, as the next.
+    std::string matcher;
     int threads = 1;
-    vo::WeightsRecord superpoint;  ///< Empty where the method has none.
-    vo::WeightsRecord superglue;
+    std::vector<vo::WeightsRecord> weights;  ///< Of the networks that ran.
     OptionValueMap options;
     OptionOrigins origins;
     std::vector<std::string> dataset_warnings;  ///< vo::Dataset's.
@@ -49,6 +50,8 @@ class RunMetrics {
 
   /// The part of a report that the record knows.
   RunReport Report(const Context& context) const;
+  /// What became of each, without its tracks.
+  const std::vector<vo::FrameResult>& frames() const { return frames_; }
   /// The segment of each frame.
   std::vector<int> SegmentOfFrames() const;
 

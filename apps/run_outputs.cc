@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "covariance_file.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/trajectory_file.h"
@@ -66,7 +67,8 @@ void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std:
 std::vector<fs::path> OutputFiles(const RunPlaces& places) {
   const std::string extension = FormatOf(places).extension;
   return {places.folder / ("trajectory" + extension), places.folder / ("keyframes" + extension),
-          places.folder / "metrics.json", places.folder / "report.html"};
+          places.folder / "covariance.csv", places.folder / "metrics.json",
+          places.folder / "report.html"};
 }
 
 std::vector<fs::path> MapFiles(const RunPlaces& places) {
@@ -102,6 +104,10 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
     }
   };
   attempt([&] { WriteTrajectories(places, dataset, records); });
+  attempt([&] {
+    WriteCovariances(places.folder / "covariance.csv", records.metrics.frames(),
+                     dataset.rig.body_frame);
+  });
   attempt([&] { records.metrics.Write(places.folder / "metrics.json", context); });
   attempt([&] { WriteReport(places, dataset, name, records, context); });
   if (records.matches) {

@@ -11,6 +11,8 @@
 namespace gluevo::apps {
 namespace {
 
+constexpr const char* kChecksumSuffix = "_sha256";
+
 std::string ValueOf(const std::map<std::string, std::string>& values, const std::string& name) {
   const auto found = values.find(name);
   return found != values.end() ? found->second : "";
@@ -24,12 +26,9 @@ vo::RunRecord MakeRunRecord(const CLI::App& command, const std::string& method,
   for (const auto& [option, values] : OptionValues(command)) {
     record.options[option] = ValueText(values);
   }
-  for (const auto& [network, weights] : {std::pair{"superpoint", networks.superpoint_record},
-                                         std::pair{"superglue", networks.superglue_record}}) {
-    if (!weights.source.empty()) {
-      record.weights[network] = weights.source;
-      record.weights[network + std::string("_sha256")] = weights.checksum;
-    }
+  for (const vo::WeightsRecord& weights : networks.records) {
+    record.weights[weights.network] = weights.source;
+    record.weights[weights.network + kChecksumSuffix] = weights.checksum;
   }
   return record;
 }
@@ -69,9 +68,30 @@ void LeaveOutReplayed(const vo::MatchStoreReader& store, vo::Dataset& dataset) {
   });
 }
 
-vo::WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network) {
+std::vector<vo::WeightsRecord> ReplayedWeights(const vo::MatchStoreReader& store) {
   const auto& weights = store.record().weights;
-  return {ValueOf(weights, network), ValueOf(weights, network + "_sha256")};
+  std::vector<vo::WeightsRecord> records;
+  // In the order of the work.
+  for (const std::string network : {"superpoint", "aliked", "superglue", "lightglue"}) {
+    if (weights.contains(network)) {
+      records.push_back(
+          {network, weights.at(network), ValueOf(weights, network + kChecksumSuffix)});
+    }
+  }
+  return records;
+}
+
+std::string ReplayedFeatures(const vo::MatchStoreReader& store) {
+  const vo::RunRecord& record = store.record();
+  const std::string features = ValueOf(record.options, "features");
+  return record.method == "klt" ? "" : features.empty() ? "superpoint" : features;
+}
+
+std::string ReplayedMatcher(const vo::MatchStoreReader& store) {
+  const vo::RunRecord& record = store.record();
+  return record.method != "superglue"
+             ? ""
+             : vo::MatcherOf(ReplayedFeatures(store), ValueOf(record.options, "matcher"));
 }
 
 }  // namespace gluevo::apps

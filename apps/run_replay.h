@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "command_line.h"
 #include "gluevo/vo/frontend/match_store.h"
@@ -24,7 +25,12 @@ void SelectReplayedFrames(const CLI::App& command, const vo::MatchStoreReader& s
 /// Takes away the frames that the stored run could not read.
 void LeaveOutReplayed(const vo::MatchStoreReader& store, vo::Dataset& dataset);
 
-/// Name and checksum of the weights of a network ("superpoint", "superglue") of the stored run.
-vo::WeightsRecord ReplayedWeights(const vo::MatchStoreReader& store, const std::string& network);
+/// Names and checksums of the weights of the stored run's networks.
+std::vector<vo::WeightsRecord> ReplayedWeights(const vo::MatchStoreReader& store);
+
+/// What found keypoints in the stored run ("superpoint", "aliked"), and what matched them; empty
+/// for methods without. Versions that did not know others have SuperPoint and SuperGlue.
+std::string ReplayedFeatures(const vo::MatchStoreReader& store);
+std::string ReplayedMatcher(const vo::MatchStoreReader& store);
 
 }  // namespace gluevo::apps

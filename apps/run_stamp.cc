@@ -10,6 +10,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/weights_folder.h"
 #include "gluevo/vo/io/dataset.h"
 #include "json_text.h"
 
@@ -80,6 +81,11 @@ std::string ChecksumOfDataset(const vo::Dataset& dataset) {
   return ChecksumOfText(text.str());
 }
 
+bool HasOption(const PlannedRun& run, const std::string& name, const std::string& value) {
+  const auto found = run.options.find(name);
+  return found != run.options.end() && found->second == value;
+}
+
 Json ChecksumsOfResults(const fs::path& folder) {
   Json checksums;
   for (const char* const name : kResults) {
@@ -101,6 +107,12 @@ Json DescribeInputs(const PlannedRun& run, const std::string& program_checksum) 
   inputs["options"] = Json::object();
   for (const auto& [name, value] : run.options) {
     inputs["options"][name] = IsInputPathOption(name) ? ChecksumOfInput(value) : value;
+  }
+  // Weights that no option need name.
+  if (const fs::path own = nn::UserWeightsFolder();
+      (HasOption(run, "features", "aliked") || HasOption(run, "matcher", "lightglue")) &&
+      fs::is_directory(own)) {
+    inputs["own_weights"] = ChecksumOfInput(own);
   }
   return inputs;
 }

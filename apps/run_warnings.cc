@@ -50,13 +50,23 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
   if (!frames_.empty() && MedianMatches(&vo::FrameResult::stereo) < kNextToNothing) {
     warnings.emplace_back("matching from left to right yields next to nothing");
   }
-  const auto predicted = static_cast<std::size_t>(
-      std::count_if(frames_.begin(), frames_.end(),
-                    [](const vo::FrameResult& frame) { return frame.is_predicted; }));
-  if (predicted > 0) {
+  const auto count = [&](bool vo::FrameResult::*flag) {
+    return static_cast<std::size_t>(std::count_if(
+        frames_.begin(), frames_.end(), [&](const vo::FrameResult& frame) { return frame.*flag; }));
+  };
+  if (const std::size_t predicted = count(&vo::FrameResult::is_predicted); predicted > 0) {
     warnings.push_back(Counted(predicted, "pose") +
                        " predicted from the motion before: the frames show nothing by which they "
                        "could be located");
+  }
+  if (const std::size_t doubtful = count(&vo::FrameResult::is_doubtful); doubtful > 0) {
+    warnings.push_back(Counted(doubtful, "pose") +
+                       " doubtful: less than half of what is seen agrees with them (does something "
+                       "move that fills the view?)");
+  }
+  if (const std::size_t left_only = count(&vo::FrameResult::is_left_only); left_only > 0) {
+    warnings.push_back(Counted(left_only, "frame") +
+                       " located by the left camera alone: the right one shows next to nothing");
   }
   if (Resets() > 0) {
     warnings.push_back("tracking was lost " + std::to_string(Resets()) +

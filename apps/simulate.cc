@@ -115,6 +115,15 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_flag("--correspondences", options.correspondences,
                     "Also write correspondences.h5: where the pixels of a grid are seen in the "
                     "right and in the next image, and their points in the world");
+  command
+      ->add_option("--movers", options.movers,
+                   "So many boxes drive or fly through the scene; also writes cam0/movers: masks "
+                   "of what moves in the left images")
+      ->capture_default_str();
+  command
+      ->add_option("--movers-cover", options.movers_cover,
+                   "Share of the left image that each mover fills when it is nearest, at most 0.5")
+      ->capture_default_str();
   CLI::Option* const pairs =
       command
           ->add_option("--pairs", arguments->rooms,
@@ -124,7 +133,8 @@ void AddSimulateCommand(CLI::App& app) {
           ->check(CLI::Range(1, 1'000'000));
   for (const char* option :
        {"--path", "--trajectory", "--start", "--from-takeoff", "--duration", "--rate", "--noise",
-        "--exposure-change", "--vignetting", "--motion-blur", "--light", "--correspondences"}) {
+        "--exposure-change", "--vignetting", "--motion-blur", "--light", "--correspondences",
+        "--movers", "--movers-cover"}) {
     pairs->excludes(command->get_option(option));
   }
   command->add_option("--threads", options.threads, "Threads; default: one for each processor")

@@ -6,8 +6,12 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <array>
 #include <random>
+#include <vector>
 
+#include "gluevo/nn/aliked.h"
+#include "gluevo/nn/lightglue.h"
 #include "gluevo/nn/peak_share.h"
 #include "gluevo/nn/random_weights.h"
 #include "gluevo/nn/superglue.h"
@@ -16,29 +20,88 @@
 namespace gluevo::nn {
 namespace {
 
-void ExtractFeatures(benchmark::State& state) {
-  constexpr int kWidth = 752;
-  constexpr int kHeight = 480;
-  const auto threads = static_cast<int>(state.range(0));
-  const SuperPoint network(RandomSuperPointWeights());
-  ThreadPool pool(threads);
-  Workspace workspace(pool);
+constexpr int kWidth = 752;
+constexpr int kHeight = 480;
+constexpr int kKeypoints = 500;
+
+std::vector<uint8_t> RandomPixels() {
   std::mt19937 generator(1);
   std::vector<uint8_t> pixels(kWidth * kHeight);
   std::generate(pixels.begin(), pixels.end(),
                 [&] { return static_cast<uint8_t>(generator() % 256); });
-  Features features;
-  const auto extract = [&] {
-    network.Extract({pixels.data(), kWidth, kHeight, kWidth}, {.max_keypoints = 500}, workspace,
-                    features);
-  };
-  extract();
-  PeakShare peak(Precision::kFloat, threads);
-  const double flops = network.Flops(kWidth, kHeight);
+  return pixels;
+}
+
+// Features of random places, with random descriptors.
+std::array<Features, 2> RandomPair(int keypoints, int descriptor_size) {
+  std::mt19937 generator(1);
+  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
+  std::array<Features, 2> features;
+  for (Features& f : features) {
+    f.width = kWidth;
+    f.height = kHeight;
+    f.keypoints = Features::Points::NullaryExpr(keypoints, 2, [&](Eigen::Index, Eigen::Index axis) {
+      return uniform(generator) * static_cast<float>(axis == 0 ? kWidth : kHeight);
+    });
+    f.scores = Eigen::VectorXf::NullaryExpr(keypoints, [&] { return uniform(generator); });
+    f.descriptors = Features::RowMajor::NullaryExpr(keypoints, descriptor_size,
+                                                    [&] { return uniform(generator) - 0.5F; });
+    f.descriptors.rowwise().normalize();
+  }
+  return features;
+}
+
+// Times a call of so many operations and tells its share of the peak.
+template <typename Call>
+void Measure(benchmark::State& state, Precision precision, int threads, double flops,
+             const Call& call) {
+  call();
+  PeakShare peak(precision, threads);
   for (auto _ : state) {
-    state.SetIterationTime(peak.Time(flops, extract));
+    state.SetIterationTime(peak.Time(flops, call));
   }
   state.counters["peak"] = peak.share();
+}
+
+void ExtractFeatures(benchmark::State& state) {
+  const auto threads = static_cast<int>(state.range(0));
+  const SuperPoint network(RandomSuperPointWeights());
+  ThreadPool pool(threads);
+  Workspace workspace(pool);
+  const std::vector<uint8_t> pixels = RandomPixels();
+  Features features;
+  Measure(state, Precision::kFloat, threads, network.Flops(kWidth, kHeight), [&] {
+    network.Extract({pixels.data(), kWidth, kHeight, kWidth}, {.max_keypoints = kKeypoints},
+                    workspace, features);
+  });
+}
+
+// The built-in narrow SuperPoint, beside which ALIKED stands.
+void ExtractNarrow(benchmark::State& state) {
+  const auto threads = static_cast<int>(state.range(0));
+  const SuperPoint network(OpenSuperPointWeights());
+  ThreadPool pool(threads);
+  Workspace workspace(pool);
+  const std::vector<uint8_t> pixels = RandomPixels();
+  Features features;
+  Measure(state, Precision::kFloat, threads, network.Flops(kWidth, kHeight), [&] {
+    network.Extract({pixels.data(), kWidth, kHeight, kWidth}, {.max_keypoints = kKeypoints},
+                    workspace, features);
+  });
+}
+
+void ExtractAliked(benchmark::State& state, const std::array<int64_t, 4>& widths, int64_t size) {
+  const auto threads = static_cast<int>(state.range(0));
+  const Aliked network(RandomAlikedWeights(widths, size));
+  ThreadPool pool(threads);
+  Workspace workspace(pool);
+  const std::vector<uint8_t> pixels = RandomPixels();
+  Features features;
+  // Whatever random weights score, as many keypoints.
+  const AlikedOptions options = {.keypoint_threshold = 0.0F, .max_keypoints = kKeypoints};
+  Measure(state, Precision::kFloat, threads, network.Flops(kWidth, kHeight, kKeypoints), [&] {
+    network.Extract({pixels.data(), kWidth, kHeight, kWidth}, options, workspace, features);
+  });
 }
 
 void MatchFeatures(benchmark::State& state, Precision precision) {
@@ -47,35 +110,53 @@ void MatchFeatures(benchmark::State& state, Precision precision) {
   const SuperGlue network(RandomSuperGlueWeights(), precision);
   ThreadPool pool(threads);
   Workspace workspace(pool);
-  std::mt19937 generator(1);
-  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
-  Features features[2];
-  for (Features& f : features) {
-    f.width = 752;
-    f.height = 480;
-    f.keypoints = Features::Points::NullaryExpr(keypoints, 2, [&](Eigen::Index, Eigen::Index axis) {
-      return uniform(generator) * (axis == 0 ? 752.0F : 480.0F);
-    });
-    f.scores = Eigen::VectorXf::NullaryExpr(keypoints, [&] { return uniform(generator); });
-    f.descriptors =
-        Features::RowMajor::NullaryExpr(keypoints, 256, [&] { return uniform(generator) - 0.5F; });
-    f.descriptors.rowwise().normalize();
-  }
+  const std::array<Features, 2> features = RandomPair(keypoints, 256);
   Matches matches;
-  const auto match = [&] { network.Match(features[0], features[1], {}, workspace, matches); };
-  match();
-  PeakShare peak(precision, threads);
-  const double flops = network.Flops(keypoints, keypoints);
-  for (auto _ : state) {
-    state.SetIterationTime(peak.Time(flops, match));
-  }
-  state.counters["peak"] = peak.share();
+  Measure(state, precision, threads, network.Flops(keypoints, keypoints),
+          [&] { network.Match(features[0], features[1], {}, workspace, matches); });
+}
+
+// All layers.
+void MatchLightGlue(benchmark::State& state) {
+  const auto keypoints = static_cast<int>(state.range(0));
+  const auto threads = static_cast<int>(state.range(1));
+  const LightGlue network(RandomLightGlueWeights());
+  ThreadPool pool(threads);
+  Workspace workspace(pool);
+  const std::array<Features, 2> features = RandomPair(keypoints, 128);
+  const LightGlueOptions options = {.depth_confidence = 0.0F, .width_confidence = 0.0F};
+  Matches matches;
+  Measure(state, Precision::kFloat, threads, network.Flops(keypoints, keypoints, network.layers()),
+          [&] { network.Match(features[0], features[1], options, workspace, matches); });
 }
 
 BENCHMARK(ExtractFeatures)
     ->ArgName("threads")
     ->Arg(1)
     ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+BENCHMARK(ExtractNarrow)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(ExtractAliked, n16, (std::array<int64_t, 4>{16, 32, 64, 128}), 128)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+BENCHMARK_CAPTURE(ExtractAliked, t16, (std::array<int64_t, 4>{8, 16, 32, 64}), 64)
+    ->ArgName("threads")
+    ->Arg(1)
+    ->Arg(2)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime();
+BENCHMARK(MatchLightGlue)
+    ->ArgNames({"keypoints", "threads"})
+    ->ArgsProduct({{200, 500, 1024}, {1, 2}})
     ->Unit(benchmark::kMillisecond)
     ->UseManualTime();
 BENCHMARK_CAPTURE(MatchFeatures, float, Precision::kFloat)

@@ -49,9 +49,9 @@ int main(int argc, char** argv) try {
   const vo::Dataset dataset = vo::OpenDataset(argv[1], {});
   const vo::OdometryConfig config = vo::PresetConfig(vo::PresetOf(dataset.format));
   nn::ThreadPool pool(config.threads);
-  const vo::Networks networks = vo::LoadNetworks({}, /*with_superglue=*/false);
+  const vo::Networks networks = vo::LoadNetworks({}, "superpoint", "nn");
   auto frontend = std::make_unique<vo::LearnedFrontEnd>(
-      dataset.rig, vo::MakeExtractor(networks, config.frontend.superpoint, pool),
+      dataset.rig, vo::MakeExtractor(networks, config.frontend.keypoints, pool),
       std::make_unique<NearbyMatcher>(), /*fallback=*/nullptr, config.frontend.learned);
   vo::Odometry odometry(dataset.rig, std::move(frontend), config.odometry);
   vo::FrameResult result;

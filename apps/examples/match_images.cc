@@ -25,7 +25,7 @@ int main(int argc, char** argv) try {
     return 2;
   }
   gluevo::nn::ThreadPool pool(0);
-  const auto networks = gluevo::vo::LoadNetworks({}, /*with_superglue=*/true);
+  const auto networks = gluevo::vo::LoadNetworks({}, "superpoint", "superglue");
   const auto extractor = gluevo::vo::MakeExtractor(networks, {.max_keypoints = 500}, pool);
   const auto matcher = gluevo::vo::MakeMatcher(networks, pool);
 

@@ -121,8 +121,8 @@ void CheckMissing(const ExperimentFile& file, const Places& places) {
 }  // namespace
 
 bool IsInputPathOption(const std::string& name) {
-  static const std::set<std::string> names = {"calibration", "groundtruth", "replay",
-                                              "superglue",   "superpoint",  "weights"};
+  static const std::set<std::string> names = {"aliked", "calibration", "groundtruth", "lightglue",
+                                              "replay", "superglue",   "superpoint",  "weights"};
   return names.contains(name);
 }
 

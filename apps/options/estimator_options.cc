@@ -22,6 +22,11 @@ void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
            "How well the calibration knows the right camera's orientation, milliradians; it is "
            "refined within that; 0: not at all")
       ->check(CLI::NonNegativeNumber);
+  estimator
+      .Add("--max-predicted", options.max_predicted_s,
+           "Where nothing that was seen before is found again, poses are predicted for so many "
+           "seconds before a new segment starts")
+      ->check(CLI::NonNegativeNumber);
 }
 
 }  // namespace gluevo::apps

@@ -10,35 +10,36 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
   OptionGroup general(command, "Options");
   general
       .Add("--method", frontend.method,
-           "Front end: superglue (SuperPoint and SuperGlue), superpoint (corners and optical flow, "
-           "matched from left to right by SuperPoint's descriptors) or klt (corners and optical "
-           "flow)")
+           "Front end: superglue (SuperPoint and SuperGlue, or --features and --matcher), "
+           "superpoint (corners and optical flow, matched from left to right by SuperPoint's "
+           "descriptors, or those of --features) or klt (corners and optical flow)")
       ->check(CLI::IsMember({"superglue", "superpoint", "klt"}));
-  general
-      .Add("--matcher", frontend.matcher,
-           "What matches SuperPoint's keypoints: superglue, or nn for mutual nearest neighbours")
-      ->check(CLI::IsMember({"superglue", "nn"}));
+  AddFeaturesOption(command, frontend.features);
+  AddMatcherOption(command, frontend.matcher);
+  // What goes with the features' default; the presets replace it.
+  command.get_option("--matcher")->default_str(vo::MatcherOf(frontend.features, ""));
   AddNetworkOptions(command, frontend.networks, config.threads);
-  AddSuperPointOptions(command, frontend.superpoint);
+  AddKeypointOptions(command, frontend.keypoints);
 
   OptionGroup tuning(command, "Tuning");
   vo::LearnedFrontEndOptions& learned = frontend.learned;
   tuning.Add("--tracking-threshold", learned.tracking_threshold,
-             "Confidence of a match from the previous left image");
+             "Confidence of a match from the previous left image; LightGlue's is 0.1");
   tuning.Add("--stereo-threshold", learned.stereo_threshold,
-             "Confidence of a match from left to right");
+             "Confidence of a match from left to right; LightGlue's is 0.1");
   tuning.Add("--max-epipolar-error", learned.max_epipolar_error_px,
              "Largest distance of a stereo match from its epipolar line, pixels");
   tuning.Add("--min-distance", learned.min_distance_px,
              "Smallest distance between observed points, pixels");
   tuning
       .Add("--refine", frontend.refine,
-           "Keypoints below the pixel: none, subpixel (peaks of SuperPoint's scores) or lk "
-           "(optical flow between matched points)")
+           "Keypoints below the pixel: none (ALIKED's are there already), subpixel (peaks of "
+           "SuperPoint's scores) or lk (optical flow between matched points)")
       ->check(CLI::IsMember({"none", "subpixel", "lk"}));
   tuning.Add("--min-confirmed-share", learned.min_confirmed_share,
              "With --refine lk, matches that optical flow does not confirm are dropped where it "
              "confirms this share");
+  AddLightGlueOptions(command, frontend.lightglue);
   tuning.Add("--max-ratio", frontend.stereo.max_ratio,
              "Of distances to nearest and second nearest descriptor, method superpoint");
   command

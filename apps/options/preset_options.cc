@@ -68,10 +68,13 @@ OptionOrigins ApplyPreset(CLI::App& command, const std::string& asked, vo::Datas
       origins.origins[name] = "default";
     }
   }
-  const std::string method = config.frontend.method;
-  Rebase(command, vo::PresetConfig(vo::Presets().front().name, method), config);
+  const auto preset_config = [method = config.frontend.method, features = config.frontend.features,
+                              matcher = config.frontend.matcher](const std::string& preset) {
+    return vo::PresetConfig(preset, method, features, matcher);
+  };
+  Rebase(command, preset_config(vo::Presets().front().name), config);
   NoteChanges(command, "method", defaults, origins);
-  Rebase(command, vo::PresetConfig(origins.preset, method), config);
+  Rebase(command, preset_config(origins.preset), config);
   NoteChanges(command, "preset", defaults, origins);
   for (const auto& [name, was_set] : OptionsGiven(command)) {
     if (was_set) {

@@ -9,17 +9,35 @@
 
 namespace gluevo::apps {
 
-Series CountSeries(const RunReport& report, const std::string& name, const std::string& style,
-                   int vo::FrameResult::*count) {
+namespace {
+
+template <typename Value>
+Series FrameSeries(const RunReport& report, const std::string& name, const std::string& style,
+                   const Value& value) {
   Series series{name, style, {}, {}, {}};
   for (std::size_t i = 0; i < report.frames.size(); ++i) {
     series.x.push_back(SecondsIn(report, report.frames[i].timestamp_ns));
-    series.y.push_back(report.frames[i].*count);
+    series.y.push_back(value(report.frames[i]));
     if (i > 0 && report.frames[i].segment != report.frames[i - 1].segment) {
       series.breaks.push_back(i);
     }
   }
   return series;
+}
+
+}  // namespace
+
+Series CountSeries(const RunReport& report, const std::string& name, const std::string& style,
+                   int vo::FrameResult::*count) {
+  return FrameSeries(report, name, style,
+                     [&](const vo::FrameResult& frame) { return frame.*count; });
+}
+
+Series PositionSigmaSeries(const RunReport& report, const std::string& style) {
+  return FrameSeries(report, "as the estimate knows it (1 sigma)", style,
+                     [](const vo::FrameResult& frame) {
+                       return std::sqrt(frame.path_covariance.topLeftCorner<3, 3>().trace());
+                     });
 }
 
 Series StageSeries(const RunReport& report, const std::string& name, const std::string& style,

@@ -13,6 +13,10 @@ namespace gluevo::apps {
 Series CountSeries(const RunReport& report, const std::string& name, const std::string& style,
                    int vo::FrameResult::*count);
 
+/// How far off each frame's position may be, metres: the square root of the sum of its path
+/// covariance's variances, which is one standard deviation; broken where tracking was lost.
+Series PositionSigmaSeries(const RunReport& report, const std::string& style);
+
 /// Times of a stage over the frames' times.
 Series StageSeries(const RunReport& report, const std::string& name, const std::string& style,
                    const std::string& stage);

@@ -17,7 +17,7 @@ namespace gluevo::apps {
 
 /// What a report says of a network's weights.
 struct WeightsLine {
-  std::string network;   ///< "SuperPoint".
+  std::string network;   ///< "SuperPoint", ...
   std::string name;      ///< File, or "built in".
   std::string checksum;  ///< SHA-256, hexadecimal.
 };

@@ -37,8 +37,19 @@ std::string StatisticsTable(
 
 std::string ErrorSection(const RunReport& report) {
   std::string html = "<section><h2>Error</h2>\n";
+  const auto chart = [&](const std::string& title, const std::string& y_label,
+                         const std::vector<Series>& series) {
+    return DrawChart({.title = title,
+                      .x_label = "time, s",
+                      .y_label = y_label,
+                      .series = series,
+                      .marks_name = "tracking lost",
+                      .marks = ResetMarks(report)});
+  };
+  const Series sigma = PositionSigmaSeries(report, "third");
   if (!report.evaluation) {
-    return html + NoGroundTruth(report) + "</section>\n";
+    return html + NoGroundTruth(report) + "<div class=\"columns\">" +
+           chart("How far off positions may be", "1 sigma, m", {sigma}) + "</div></section>\n";
   }
   Series se3{"SE(3)-aligned", "first", {}, {}, {}};
   Series sim3{"Sim(3)-aligned", "second", {}, {}, {}};
@@ -60,20 +71,12 @@ std::string ErrorSection(const RunReport& report) {
     step_deg.y.push_back(is_motion ? error.motion_deg : NAN);
     most = std::max({most, error.se3_m, error.sim3_m});
   }
-  const auto chart = [&](const std::string& title, const std::string& y_label,
-                         const std::vector<Series>& series) {
-    return DrawChart({.title = title,
-                      .x_label = "time, s",
-                      .y_label = y_label,
-                      .series = series,
-                      .marks_name = "tracking lost",
-                      .marks = ResetMarks(report)});
-  };
   html += "<div class=\"columns\">" +
           DrawPathPicture(ErrorView(report, /*with_scale=*/false, most)) +
           DrawPathPicture(ErrorView(report, /*with_scale=*/true, most)) + "</div>" +
           ColorScale(most, "distance from the ground truth", "m") + "<div class=\"columns\">" +
-          chart("Position error", "error, m", {se3, sim3}) +
+          chart("Position error, and how large it may be by the estimate", "error, m",
+                {se3, sim3, sigma}) +
           chart("Error of each motion from frame to frame", "error, m", {step_m}) +
           chart("Turning error of each motion", "error, deg", {step_deg}) +
           StatisticsTable({{"position, SE(3)-aligned, m", se3.y},

@@ -87,7 +87,8 @@ std::string TimesSection(const RunReport& report) {
                                                                   report.stages_ms.end());
   // In the order of the work; what is not known by name comes before the sums.
   const auto rank = [](const std::string& name) {
-    const std::vector<std::string> order = {"read", "superpoint", "match_track", "match_stereo"};
+    const std::vector<std::string> order = {"read", "superpoint", "aliked", "match_track",
+                                            "match_stereo"};
     const auto found = std::find(order.begin(), order.end(), name);
     return name == "frontend"    ? 10
            : name == "estimator" ? 11

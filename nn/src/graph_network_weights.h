@@ -5,30 +5,12 @@
 
 #include "gluevo/nn/tensor.h"
 #include "kernels/kernels.h"
+#include "packed_linear.h"
 #include "superglue_weights.h"
 
 namespace gluevo::nn {
 
-/// Channels in whole blocks of elements.
-template <typename Element>
-int64_t PaddedChannels(int64_t channels) {
-  return kernels::ElementBlocks<Element>(channels) * kernels::kBlock *
-         kernels::kChannelsPer<Element>;
-}
-
-/// A product with packed weights; the left operand may have a second part.
-template <typename Operand>
-struct Linear {
-  int64_t blocks0 = 0;
-  int64_t blocks1 = 0;
-  int64_t columns = 0;  ///< Whole blocks.
-  const Operand* weights = nullptr;
-  Tensor<float> bias;
-};
-
-/// The weights of GraphNetwork, packed as its products read them. Weights that are used one after
-/// the other lie so in memory: what a product fetches ahead beyond its last columns is the
-/// beginning of the next product's.
+/// The weights of GraphNetwork, packed as its products read them.
 template <typename Element>
 struct GraphNetworkWeights {
   struct Layer {

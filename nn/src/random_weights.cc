@@ -40,6 +40,9 @@ class RandomWeights {
     }
     weights_.tensors[name] = tensor;
   }
+  void Put(const std::string& name, const Tensor<float>& tensor) {
+    weights_.tensors[name] = tensor;
+  }
   const Weights& weights() const { return weights_; }
 
  private:
@@ -90,6 +93,76 @@ Weights RandomSuperGlueWeights(int layers) {
   }
   random.AddConvolution("final_proj", {kSize, kSize, 1}, 1.0);
   random.Fill("bin_score", {}, 1.0);
+  return random.weights();
+}
+
+Weights RandomLightGlueWeights(int layers, int64_t descriptor_size, int64_t size, int64_t heads) {
+  RandomWeights random(3);
+  if (descriptor_size != size) {
+    // Descriptors are of unit length.
+    random.AddConvolution("input_proj", {size, descriptor_size},
+                          static_cast<double>(descriptor_size));
+  }
+  random.Fill("posenc.Wr.weight", {size / heads / 2, 2}, 1.0);
+  for (int i = 0; i < layers; ++i) {
+    const std::string number = std::to_string(i);
+    const std::string self = "transformers." + number + ".self_attn.";
+    const std::string cross = "transformers." + number + ".cross_attn.";
+    random.AddConvolution(self + "Wqkv", {3 * size, size}, 1.0);
+    random.AddConvolution(self + "out_proj", {size, size}, 1.0);
+    for (const char* const name : {"to_qk", "to_v", "to_out"}) {
+      random.AddConvolution(cross + name, {size, size}, 1.0);
+    }
+    for (const std::string& block : {self, cross}) {
+      random.AddConvolution(block + "ffn.0", {2 * size, 2 * size}, 1.0);
+      Tensor<float> gain(Shape{2 * size});
+      gain.view().Vector().setOnes();
+      random.Put(block + "ffn.1.weight", gain);
+      random.Fill(block + "ffn.1.bias", {2 * size}, 0.1);
+      random.AddConvolution(block + "ffn.3", {size, 2 * size}, 0.1);
+    }
+    random.AddConvolution("log_assignment." + number + ".matchability", {1, size}, 1.0);
+    random.AddConvolution("log_assignment." + number + ".final_proj", {size, size}, 1.0);
+    if (i + 1 < layers) {
+      random.AddConvolution("token_confidence." + number + ".token.0", {1, size}, 1.0);
+    }
+  }
+  return random.weights();
+}
+
+Weights RandomAlikedWeights(const std::array<int64_t, 4>& widths, int64_t size, int64_t samples) {
+  RandomWeights random(4);
+  int64_t in = 3;
+  for (int i = 0; i < 4; ++i) {
+    const std::string block = "block" + std::to_string(i + 1) + ".";
+    const int64_t out = widths[static_cast<std::size_t>(i)];
+    for (const auto& [number, inputs] : {std::pair("1", in), {"2", out}}) {
+      const std::string convolution = block + "conv" + number;
+      const double deviation = 1.0 / std::sqrt(9.0 * static_cast<double>(inputs));
+      random.Fill(convolution + (i >= 2 ? ".regular_conv.weight" : ".weight"), {out, inputs, 3, 3},
+                  deviation);
+      random.AddBatchNorm(block + "bn" + number, out);
+      random.Fill(block + "bn" + number + ".bias", {out}, 0.2);
+      if (i >= 2) {
+        random.AddConvolution(convolution + ".offset_conv", {18, inputs, 3, 3}, 4.0);
+      }
+    }
+    if (i > 0) {
+      random.AddConvolution(block + "downsample", {out, in, 1, 1}, 1.0);
+    }
+    random.Fill("conv" + std::to_string(i + 1) + ".weight", {size / 4, out, 1, 1},
+                1.0 / std::sqrt(static_cast<double>(out)));
+    in = out;
+  }
+  random.Fill("score_head.0.weight", {8, size, 1, 1}, 2.0 / std::sqrt(static_cast<double>(size)));
+  random.Fill("score_head.2.weight", {4, 8, 3, 3}, 0.2);
+  random.Fill("score_head.4.weight", {4, 4, 3, 3}, 0.3);
+  random.Fill("score_head.6.weight", {1, 4, 3, 3}, 0.3);
+  random.Fill("desc_head.agg_weights", {samples, size, size},
+              1.0 / std::sqrt(static_cast<double>(samples * size)));
+  random.AddConvolution("desc_head.offset_conv.0", {2 * samples, size, 3, 3}, 9.0);
+  random.AddConvolution("desc_head.offset_conv.2", {2 * samples, 2 * samples, 1, 1}, 16.0);
+  random.Fill("desc_head.sf_conv.weight", {size, size, 1, 1}, 1.0);
   return random.weights();
 }
 

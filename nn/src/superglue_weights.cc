@@ -7,17 +7,6 @@
 namespace gluevo::nn {
 namespace {
 
-// The published names are those of 1-wide convolutions: [out x in x 1].
-Affine ReadAffine(const Weights& weights, const std::string& name, int64_t in) {
-  const Tensor<float>& weight = weights.Get(name + ".weight");
-  const int64_t out = weight.shape().rank() > 0 ? weight.extent(0) : 0;
-  CheckShape(weight.shape(), weight.shape().rank() == 2 ? Shape{out, in} : Shape{out, in, 1},
-             weights.source + ": " + name + ".weight");
-  const Tensor<float>& bias = weights.Get(name + ".bias", Shape{out});
-  return {weight.view().Reshaped({out, in}).Matrix().cast<double>(),
-          bias.view().Vector().cast<double>()};
-}
-
 // A batch normalisation that follows the affine map, with its running statistics (Ioffe and
 // Szegedy 2015).
 void FoldBatchNorm(const Weights& weights, const std::string& name, Affine& affine) {

@@ -1,18 +1,12 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
+#include "affine.h"
 #include "gluevo/nn/weights.h"
 
 namespace gluevo::nn {
-
-/// y = weight x + bias.
-struct Affine {
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> weight;  ///< [out x in]
-  Eigen::VectorXd bias;
-};
 
 /// A SuperGlue's weights in double, reduced by what is exact: batch normalisation is part of the
 /// convolution before it, 1/sqrt(d) part of q, `merge` part of the MLP; the bias of k, which the

@@ -82,7 +82,7 @@ TEST_F(SegmentsTest, AreEvaluatedEachOnItsOwn) {
   const std::string named = " --segments " + Write("named.json", whole_);
   const nlohmann::json json = nlohmann::json::parse(Run(inputs + named + " --json").out);
   EXPECT_GT(json["ate_se3_m"], 10.0);
-  const nlohmann::json within = json["within_segments"];
+  const nlohmann::json& within = json["within_segments"];
   EXPECT_EQ(within["motions"], 6);
   EXPECT_EQ(within["correct_motions"], 5);
   EXPECT_EQ(within["breaks"], 1);
@@ -181,6 +181,16 @@ TEST_F(EvaluateTest, WritesNullForWhatIsUndefined) {
   EXPECT_EQ(json["ate_se3_m"], 0.0);
   EXPECT_TRUE(json["scale"].is_null());
   EXPECT_TRUE(json["rpe_translation_percent"].is_null());
+}
+
+TEST_F(EvaluateTest, SaysWhyAFigureIsUndefined) {
+  const std::string still = Write("s.tum", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n");
+  const Outcome outcome = Run("evaluate " + still + " " + still + " --delta 9");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
+  for (const char* const why : {"moves less than 0.5 m", "does not move", "fewer poses"}) {
+    EXPECT_NE(outcome.out.find(why), std::string::npos) << why << '\n' << outcome.out;
+  }
 }
 
 TEST_F(EvaluateTest, DrawsAPlot) {

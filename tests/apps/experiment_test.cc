@@ -382,7 +382,8 @@ TEST_F(ExperimentTest, RefusesWhatItDoesNotUnderstand) {
 }
 
 TEST_F(ExperimentTest, TheReadyListsAreValid) {
-  for (const char* const name : {"demo.yaml", "extras.yaml", "paper.yaml", "shared.yaml"}) {
+  for (const char* const name :
+       {"demo.yaml", "extras.yaml", "features.yaml", "paper.yaml", "shared.yaml"}) {
     const fs::path file = fs::path(GLUEVO_SOURCE_DIR) / "apps" / "experiments" / name;
     const Outcome outcome = Run("experiment " + file.string() + " -o " + Path("out") +
                                 " --dry-run --skip-missing --data " + data_->path().string());

@@ -252,7 +252,8 @@ TEST_F(InterruptionTest, AFullDiskIsOneLineForEveryOutput) {
   };
   const std::vector<Case> cases{
       {run, "trajectory.tum", 2000},
-      {run, "report.html", 6000},
+      {run, "covariance.csv", 6000},
+      {run, "report.html", 16'000},
       {run + " --save-matches " + Path("n.h5"), "n.h5", 60'000},
       {"extract " + images + " -o " + Path("n.h5"), "n.h5", 60'000},
       {"match " + Path("features.h5") + " --pairs " + pairs + " -o " + Path("n.h5"), "n.h5", 1000},

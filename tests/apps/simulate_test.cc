@@ -32,6 +32,8 @@ TEST_F(SimulateTest, BadOptionsGetOneClearLine) {
   ExpectRefused("--exposure-change 9", "exposure");
   ExpectRefused("--vignetting nan", "vignetting");
   ExpectRefused("--start -2", "start");
+  ExpectRefused("--movers -2", "movers");
+  ExpectRefused("--movers 2 --movers-cover 0.8", "share");
   ExpectRefused("--from-takeoff", "take-off");
   ExpectRefused("--trajectory " + Path("none.txt"), "none.txt");
   const std::string short_file = Write("short.txt", "1 0 0 0 0 0 0 1\n1.1 0 0 0 0 0 0 1\n");

@@ -117,7 +117,7 @@ TEST_F(WeightsCommandTest, RefusesWhatIsCutShortAndWritesNothing) {
 TEST_F(WeightsCommandTest, ConvertsAFileOfBothIntoAFolderOrTheOneThatIsAsked) {
   const std::string both = Data("both_hugging_face.safetensors");
   ExpectRefused("convert " + both + " -o " + Path("out.safetensors"),
-                "holds a SuperPoint and a SuperGlue: choose one by --network");
+                "holds several networks: choose one by --network");
   ASSERT_EQ(Run("convert " + both + " --network superglue -o " + Path("glue")).exit_code, 0);
   ASSERT_EQ(Run("convert " + both + " -o " + Path("")).exit_code, 0);
   EXPECT_EQ(Contents(Path("glue")), Contents(Path("superglue.safetensors")));
@@ -216,7 +216,8 @@ TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
 }
 
 TEST_F(WeightsCommandTest, HelpShowsAnExample) {
-  for (const char* arguments : {"--help", "convert --help", "inspect --help", "verify --help"}) {
+  for (const char* arguments :
+       {"--help", "convert --help", "inspect --help", "verify --help", "get --help"}) {
     const Outcome outcome = Run(arguments);
     EXPECT_EQ(outcome.exit_code, 0) << arguments;
     EXPECT_NE(outcome.out.find("Example:\n  gluevo-weights "), std::string::npos) << outcome.out;

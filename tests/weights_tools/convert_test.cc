@@ -107,8 +107,10 @@ TEST_F(ConvertTest, RefusesOptionsOutOfRange) {
   const fs::path in = Save("in", SmallSuperGlue());
   EXPECT_EQ(MessageOf([&] { Convert({in}, {.heads = 0}); }),
             "number of heads 0 is out of range: expected at least 1");
-  EXPECT_EQ(MessageOf([&] { Convert({in}, {.network = "lightglue"}); }),
-            "network \"lightglue\" is unknown: expected \"superpoint\" or \"superglue\"");
+  EXPECT_EQ(
+      MessageOf([&] { Convert({in}, {.network = "superpose"}); }),
+      "network \"superpose\" is unknown: expected \"superpoint\", \"superglue\", \"lightglue\" "
+      "or \"aliked\"");
   EXPECT_EQ(MessageOf([&] { Convert({}); }), "no input file to convert");
   EXPECT_NE(MessageOf([&] { Convert({in}, {.heads = 3}); }).find("do not divide into 3 heads"),
             std::string::npos);

@@ -40,15 +40,15 @@ std::string MessageWith(const std::string& name, nn::Weights weights = {}) {
 }
 
 TEST(MistakenFilesTest, OtherMatchers) {
-  for (const char* name :
-       {"self_attn.0.Wqkv.weight", "matcher.transformers.0.self_attn.Wqkv.weight",
-        "transformer_layers.0.self_attention.q_proj.weight"}) {
-    EXPECT_EQ(MessageWith(name), "file: is a LightGlue (tensor \"" + std::string(name) +
-                                     "\"), expected a SuperPoint or a SuperGlue");
-  }
-  EXPECT_EQ(MessageWith("matcher.loftr_coarse.layers.0.q_proj.weight"),
-            "file: is a LoFTR (tensor \"matcher.loftr_coarse.layers.0.q_proj.weight\"), expected a "
-            "SuperPoint or a SuperGlue");
+  const std::string expected =
+      "expected a SuperPoint, a SuperGlue, an ALIKED or a LightGlue under its published names";
+  EXPECT_EQ(MessageWith("transformer_layers.0.self_attention.q_proj.weight"),
+            "file: is a LightGlue in Hugging Face's form (tensor "
+            "\"transformer_layers.0.self_attention.q_proj.weight\"), " +
+                expected);
+  EXPECT_EQ(
+      MessageWith("matcher.loftr_coarse.layers.0.q_proj.weight"),
+      "file: is a LoFTR (tensor \"matcher.loftr_coarse.layers.0.q_proj.weight\"), " + expected);
   // Hugging Face's LightGlue brings its SuperPoint along.
   EXPECT_NE(MessageWith("transformer_layers.0.self_attention.q_proj.weight", SmallSuperPoint())
                 .find("is a LightGlue"),

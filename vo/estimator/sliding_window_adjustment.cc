@@ -36,9 +36,16 @@ void SlidingWindow::AddPriorToProblem() {
                  [this](int64_t frame_id) { return static_cast<int>(FrameIndex(frame_id)); });
 }
 
-// A landmark of a single frame tells nothing about poses, and its stereo gave its depth.
+// A landmark of a single frame tells nothing about poses, and its stereo gave its depth. Two views
+// of two frames, without a right one, fit every wrong match that lies on its epipolar line at some
+// depth; the nearer, the more such a point would have to say: a third view must agree.
 bool SlidingWindow::IsAdjusted(const Landmark& landmark) {
-  return landmark.point && landmark.views.size() > 1;
+  constexpr std::ptrdiff_t kFewestViews = 3;  // Of either camera.
+  const auto rights =
+      std::count_if(landmark.views.begin(), landmark.views.end(),
+                    [](const LandmarkView& view) { return view.right.has_value(); });
+  const auto lefts = static_cast<std::ptrdiff_t>(landmark.views.size());
+  return landmark.point && lefts > 1 && lefts + rights >= kFewestViews;
 }
 
 void SlidingWindow::AddToProblem(const Landmark& landmark) {

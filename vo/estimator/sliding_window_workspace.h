@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gluevo/vo/estimator/sliding_window.h"
+#include "window_equations.h"
 #include "window_points.h"
 #include "window_problem.h"
 #include "window_solver.h"
@@ -15,6 +16,8 @@ namespace gluevo::vo {
 struct SlidingWindow::Workspace {
   WindowProblem problem;
   WindowSolver solver;
+  WindowEquations equations;  // At what the solver found.
+  WindowState state;
 
   // Marginalisation alone.
   std::vector<Eigen::Vector3d> positions;

@@ -1,6 +1,7 @@
 #include "window_equations.h"
 
 #include <Eigen/Cholesky>
+#include <array>
 #include <cmath>
 
 namespace gluevo::vo {
@@ -21,6 +22,7 @@ void WindowEquations::Linearize(const WindowState& state) {
                  .fixed_frames = 1,
                  .has_turn = problem_->turn_sigma > 0.0});
   points_.Linearize(*problem_, geometry_, geometry_, state.points, system_);
+  views_cost_ = system_.cost;
   priors_.AddTo(state, system_);
 }
 
@@ -47,6 +49,34 @@ bool WindowEquations::Solve(double damping) {
   twice_decrease += points_.Solve(damping, step_);
   predicted_decrease_ = 0.5 * twice_decrease;
   return step_.allFinite() && std::isfinite(predicted_decrease_);
+}
+
+std::optional<Eigen::Matrix<double, 12, 12>> WindowEquations::Covariance(int first, int second) {
+  // So that a point without a depth of its own has a block that can be inverted.
+  constexpr double kDamping = 1e-6;
+  reduced_ = system_.hessian;
+  step_ = system_.gradient;
+  points_.Invert(kDamping);
+  points_.Eliminate(reduced_, step_);
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(reduced_);
+  if (factors.info() != Eigen::Success) {
+    return std::nullopt;
+  }
+  const std::array<int, 2> columns = {system_.columns.Of(first), system_.columns.Of(second)};
+  columns_.setZero(reduced_.rows(), 12);
+  for (int i = 0; i < 2; ++i) {
+    if (columns[i] >= 0) {
+      columns_.block<6, 6>(columns[i], 6 * i).setIdentity();
+    }
+  }
+  factors.solveInPlace(columns_);
+  Eigen::Matrix<double, 12, 12> covariance = Eigen::Matrix<double, 12, 12>::Zero();
+  for (int i = 0; i < 2; ++i) {
+    if (columns[i] >= 0) {
+      covariance.middleRows<6>(6 * i) = columns_.middleRows<6>(columns[i]);
+    }
+  }
+  return covariance.allFinite() ? std::optional(covariance) : std::nullopt;
 }
 
 }  // namespace gluevo::vo

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "window_points.h"
@@ -31,6 +32,12 @@ class WindowEquations {
   const WindowColumns& columns() const { return system_.columns; }
   /// ... and of the points.
   const std::vector<Eigen::Vector3d>& point_steps() const { return points_.steps(); }
+  /// Half the sum of squares of the views alone, of what was linearised last.
+  double views_cost() const { return views_cost_; }
+  /// Covariance of two frames' tangents (PoseTangent), the first's first, as what was linearised
+  /// last has it where views have the standard deviations that the problem says; a fixed frame's is
+  /// zero. Nothing where the equations do not settle them.
+  std::optional<Eigen::Matrix<double, 12, 12>> Covariance(int first, int second);
   /// By how much the linearised problem says that the cost falls with the step.
   double predicted_decrease() const { return predicted_decrease_; }
 
@@ -42,6 +49,8 @@ class WindowEquations {
   WindowSystem system_;
   Eigen::MatrixXd reduced_;
   Eigen::VectorXd step_;
+  Eigen::MatrixXd columns_;  ///< Of the inverse.
+  double views_cost_ = 0.0;
   double predicted_decrease_ = 0.0;
 };
 

@@ -10,6 +10,7 @@
 #include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/frontend/optical_flow.h"
+#include "wide_flow.h"
 
 namespace gluevo::vo {
 namespace {
@@ -55,18 +56,38 @@ KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
 
 TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   CheckImages(frame, rig_);
-  TrackedFrame result;
-  result.timestamp_ns = frame.timestamp_ns;
   Stopwatch watch;
   std::swap(left_, last_left_);
   RemakePyramid(frame.images[0], options_.window, options_.levels, left_);
-  Follow();
-  result.stages_ms["klt_track"] = watch.Lap();
-  AddCorners(frame.images[0]);
-  result.stages_ms["klt_detect"] = watch.Lap();
   if (options_.stereo) {
     RemakePyramid(frame.images[1], options_.window, options_.levels, right_);
   }
+  timestamp_ns_ = frame.timestamp_ns;
+  has_retried_ = false;
+  last_tracks_ = std::move(tracks_);
+  const double pyramids_ms = watch.Lap();
+  TrackedFrame result = FollowLast(GuessByMotion());
+  result.stages_ms["klt_track"] += pyramids_ms;
+  return result;
+}
+
+std::optional<TrackedFrame> KltFrontEnd::Retry() {
+  if (has_retried_ || frames_since_last_ == 1 || last_tracks_.empty()) {
+    return std::nullopt;
+  }
+  has_retried_ = true;
+  return FollowLast(GuessByDescriptors(last_left_.front(), left_.front(), PixelsOf(last_tracks_),
+                                       GuessByMotion()));
+}
+
+TrackedFrame KltFrontEnd::FollowLast(const std::vector<cv::Point2f>& guesses) {
+  TrackedFrame result;
+  result.timestamp_ns = timestamp_ns_;
+  Stopwatch watch;
+  Follow(guesses);
+  result.stages_ms["klt_track"] = watch.Lap();
+  AddCorners(left_.front());
+  result.stages_ms["klt_detect"] = watch.Lap();
   MatchStereo(result);
   result.stages_ms["klt_stereo"] = watch.Lap();
   return result;
@@ -82,25 +103,37 @@ void KltFrontEnd::Accept(const FrameOutcome& outcome) {
   }
 }
 
-void KltFrontEnd::Follow() {
-  const auto frames = static_cast<float>(frames_since_last_);
+std::vector<cv::Point2f> KltFrontEnd::PixelsOf(const std::vector<Corner>& corners) {
   std::vector<cv::Point2f> pixels;
+  pixels.reserve(corners.size());
+  for (const Corner& corner : corners) {
+    pixels.push_back(corner.pixel);
+  }
+  return pixels;
+}
+
+std::vector<cv::Point2f> KltFrontEnd::GuessByMotion() const {
+  const auto frames = static_cast<float>(frames_since_last_);
   std::vector<cv::Point2f> guesses;
-  for (const Corner& track : tracks_) {
-    pixels.push_back(track.pixel);
+  for (const Corner& track : last_tracks_) {
     guesses.push_back(options_.predict ? track.pixel + frames * track.motion : track.pixel);
   }
-  const Flow flow = FollowCorners(last_left_, left_, pixels, guesses, options_);
+  return guesses;
+}
+
+void KltFrontEnd::Follow(const std::vector<cv::Point2f>& guesses) {
+  const auto frames = static_cast<float>(frames_since_last_);
+  const Flow flow = FollowCorners(last_left_, left_, PixelsOf(last_tracks_), guesses, options_);
   std::vector<Corner> before;
-  std::vector<Corner> after;
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
+  tracks_.clear();
+  for (std::size_t i = 0; i < last_tracks_.size(); ++i) {
+    const Corner& last = last_tracks_[i];
     if (flow.found[i] != 0) {
-      before.push_back(tracks_[i]);
-      after.push_back({tracks_[i].id, tracks_[i].length + 1, flow.pixels[i],
-                       (flow.pixels[i] - tracks_[i].pixel) / frames});
+      before.push_back(last);
+      tracks_.push_back(
+          {last.id, last.length + 1, flow.pixels[i], (flow.pixels[i] - last.pixel) / frames});
     }
   }
-  last_tracks_ = std::exchange(tracks_, std::move(after));
   if (options_.reject_by_fundamental) {
     RejectByFundamental(before);
   }
@@ -160,10 +193,7 @@ void KltFrontEnd::AddCorners(const cv::Mat& image) {
 }
 
 void KltFrontEnd::MatchStereo(TrackedFrame& result) const {
-  std::vector<cv::Point2f> pixels;
-  for (const Corner& track : tracks_) {
-    pixels.push_back(track.pixel);
-  }
+  const std::vector<cv::Point2f> pixels = PixelsOf(tracks_);
   const Flow flow = options_.stereo ? FollowCorners(left_, right_, pixels, pixels, options_)
                                     : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
   for (std::size_t i = 0; i < tracks_.size(); ++i) {

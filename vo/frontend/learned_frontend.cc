@@ -90,6 +90,9 @@ void LearnedFrontEnd::Advance() {
   } else {
     KeepFrame();
   }
+  if (std::exchange(frames_are_missing_, false)) {
+    frames_since_networks_ = options_.network_every;
+  }
   view_.reset();
   tracks_.clear();
   ways_.reset();
@@ -124,7 +127,7 @@ void LearnedFrontEnd::RunNetworks() {
   view_ = std::make_shared<KeypointView>();
   view_->features = Extract(frame_.images[0], rig_.cameras[0]);
   right_features_ = Extract(frame_.images[1], rig_.cameras[1]);
-  stages_ms_["superpoint"] = watch.Lap();
+  stages_ms_[extractor_->Name()] = watch.Lap();
   stereo_ = matcher_->Match(view_->features, right_features_, options_.stereo_threshold);
   stages_ms_["match_stereo"] = watch.Lap();
   MatchFrom({reference_, matcher_.get(), options_.tracking_threshold});

@@ -1,5 +1,6 @@
 #include "gluevo/vo/frontend/network_matcher.h"
 
+#include <string>
 #include <utility>
 
 #include "gluevo/nn/error.h"
@@ -8,13 +9,27 @@
 namespace gluevo::vo {
 namespace {
 
-class SuperPointExtractor : public FeatureExtractor {
+nn::GrayImage View(const cv::Mat& image) {
+  if (image.type() != CV_8UC1) {
+    throw Error("an image that is not 8-bit gray cannot be given to the networks");
+  }
+  return {.data = image.data,
+          .width = image.cols,
+          .height = image.rows,
+          .stride = static_cast<std::ptrdiff_t>(image.step[0])};
+}
+
+// SuperPoint or ALIKED: the same calls.
+template <typename Network, typename Options>
+class NetworkExtractor final : public FeatureExtractor {
  public:
-  SuperPointExtractor(std::shared_ptr<const nn::SuperPoint> network,
-                      const nn::SuperPointOptions& options, nn::ThreadPool& pool)
-      : network_(std::move(network)), options_(options), workspace_(pool) {
+  NetworkExtractor(std::string name, std::shared_ptr<const Network> network, const Options& options,
+                   nn::ThreadPool& pool)
+      : name_(std::move(name)), network_(std::move(network)), options_(options), workspace_(pool) {
     options_.Validate();
   }
+
+  std::string Name() const override { return name_; }
 
   nn::Features Extract(const cv::Mat& image) override {
     nn::Features features;
@@ -30,27 +45,19 @@ class SuperPointExtractor : public FeatureExtractor {
   }
 
  private:
-  static nn::GrayImage View(const cv::Mat& image) {
-    if (image.type() != CV_8UC1) {
-      throw Error("an image that is not 8-bit gray cannot be given to SuperPoint");
-    }
-    return {.data = image.data,
-            .width = image.cols,
-            .height = image.rows,
-            .stride = static_cast<std::ptrdiff_t>(image.step[0])};
-  }
-
-  std::shared_ptr<const nn::SuperPoint> network_;
-  nn::SuperPointOptions options_;
+  std::string name_;
+  std::shared_ptr<const Network> network_;
+  Options options_;
   nn::Workspace workspace_;
 };
 
-class SuperGlueMatcher : public Matcher {
+// SuperGlue or LightGlue.
+template <typename Network, typename Options>
+class NetworkPairMatcher final : public Matcher {
  public:
-  SuperGlueMatcher(std::shared_ptr<const nn::SuperGlue> network, int sinkhorn_iterations,
-                   nn::ThreadPool& pool)
-      : network_(std::move(network)), workspace_(pool) {
-    options_.sinkhorn_iterations = sinkhorn_iterations;
+  NetworkPairMatcher(std::shared_ptr<const Network> network, const Options& options,
+                     nn::ThreadPool& pool)
+      : network_(std::move(network)), options_(options), workspace_(pool) {
     options_.Validate();
   }
 
@@ -63,8 +70,8 @@ class SuperGlueMatcher : public Matcher {
   }
 
  private:
-  std::shared_ptr<const nn::SuperGlue> network_;
-  nn::SuperGlueOptions options_;
+  std::shared_ptr<const Network> network_;
+  Options options_;
   nn::Workspace workspace_;
 };
 
@@ -81,12 +88,34 @@ class NearestNeighborMatcher : public Matcher {
 std::unique_ptr<FeatureExtractor> MakeSuperPointExtractor(
     std::shared_ptr<const nn::SuperPoint> network, const nn::SuperPointOptions& options,
     nn::ThreadPool& pool) {
-  return std::make_unique<SuperPointExtractor>(std::move(network), options, pool);
+  return std::make_unique<NetworkExtractor<nn::SuperPoint, nn::SuperPointOptions>>(
+      "superpoint", std::move(network), options, pool);
+}
+
+std::unique_ptr<FeatureExtractor> MakeAlikedExtractor(std::shared_ptr<const nn::Aliked> network,
+                                                      const nn::AlikedOptions& options,
+                                                      nn::ThreadPool& pool) {
+  return std::make_unique<NetworkExtractor<nn::Aliked, nn::AlikedOptions>>(
+      "aliked", std::move(network), options, pool);
 }
 
 std::unique_ptr<Matcher> MakeSuperGlueMatcher(std::shared_ptr<const nn::SuperGlue> network,
                                               int sinkhorn_iterations, nn::ThreadPool& pool) {
-  return std::make_unique<SuperGlueMatcher>(std::move(network), sinkhorn_iterations, pool);
+  const nn::SuperGlueOptions options = {.sinkhorn_iterations = sinkhorn_iterations};
+  return std::make_unique<NetworkPairMatcher<nn::SuperGlue, nn::SuperGlueOptions>>(
+      std::move(network), options, pool);
+}
+
+std::unique_ptr<Matcher> MakeLightGlueMatcher(std::shared_ptr<const nn::LightGlue> network,
+                                              const nn::LightGlueOptions& options,
+                                              nn::ThreadPool& pool) {
+  options.Validate();
+  nn::LightGlueOptions possible = options;
+  if (!network->has_adaptive_depth()) {
+    possible.depth_confidence = 0.0F;
+  }
+  return std::make_unique<NetworkPairMatcher<nn::LightGlue, nn::LightGlueOptions>>(
+      std::move(network), possible, pool);
 }
 
 std::unique_ptr<Matcher> MakeNearestNeighborMatcher() {

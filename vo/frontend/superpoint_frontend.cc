@@ -37,7 +37,20 @@ SuperPointFrontEnd::SuperPointFrontEnd(const StereoRig& rig,
 }
 
 TrackedFrame SuperPointFrontEnd::Track(const StereoFrame& frame) {
-  TrackedFrame result = klt_.Track(frame);
+  TrackedFrame tracked = klt_.Track(frame);
+  frame_ = frame;
+  return MatchRight(std::move(tracked));
+}
+
+std::optional<TrackedFrame> SuperPointFrontEnd::Retry() {
+  std::optional<TrackedFrame> tracked = klt_.Retry();
+  if (!tracked) {
+    return std::nullopt;
+  }
+  return MatchRight(*std::move(tracked));
+}
+
+TrackedFrame SuperPointFrontEnd::MatchRight(TrackedFrame result) {
   Stopwatch watch;
   const auto count = static_cast<Eigen::Index>(result.observations.size());
   nn::Features::Points pixels(count, 2);
@@ -46,9 +59,9 @@ TrackedFrame SuperPointFrontEnd::Track(const StereoFrame& frame) {
     pixels.row(i) = result.observations[i].left_pixel.cast<float>().transpose();
     left_rays.push_back(result.observations[i].left);
   }
-  const nn::Features left = extractor_->Describe(frame.images[0], pixels);
-  const nn::Features right = extractor_->Extract(frame.images[1]);
-  result.stages_ms["superpoint"] = watch.Lap();
+  const nn::Features left = extractor_->Describe(frame_.images[0], pixels);
+  const nn::Features right = extractor_->Extract(frame_.images[1]);
+  result.stages_ms[extractor_->Name()] = watch.Lap();
 
   std::vector<Eigen::Vector2d> right_rays;
   for (int i = 0; i < right.size(); ++i) {
@@ -69,7 +82,7 @@ TrackedFrame SuperPointFrontEnd::Track(const StereoFrame& frame) {
   }
   result.stages_ms["match_stereo"] = watch.Lap();
   if (options_.refine) {
-    Refine(frame, result);
+    Refine(frame_, result);
     result.stages_ms["refine"] = watch.Lap();
   }
   return result;

@@ -106,10 +106,29 @@ Hypothesis Refine(const StereoRig& rig, Hypothesis best,
   return best;
 }
 
-// A number below `count`; std::uniform_int_distribution differs between standard libraries.
-std::size_t DrawBelow(std::mt19937_64& generator, std::size_t count) {
-  return static_cast<std::size_t>(generator() % count);
-}
+// Draws observations in proportion to their votes; the distributions of <random> differ between
+// standard libraries.
+class Ballot {
+ public:
+  explicit Ballot(std::span<const PnpObservation> observations) {
+    sums_.reserve(observations.size());
+    double sum = 0.0;
+    for (const PnpObservation& observation : observations) {
+      sums_.push_back(sum += observation.vote);
+    }
+  }
+
+  double all() const { return sums_.back(); }
+  std::size_t Draw() {
+    const double place = static_cast<double>(generator_() >> 11) * 0x1p-53 * all();
+    const auto drawn = std::upper_bound(sums_.begin(), sums_.end() - 1, place);
+    return static_cast<std::size_t>(drawn - sums_.begin());
+  }
+
+ private:
+  std::vector<double> sums_;
+  std::mt19937_64 generator_{0};
+};
 
 std::vector<Rigid3> SolveP3P(const StereoRig& rig, std::span<const PnpObservation> observations,
                              const std::array<std::size_t, 3>& sample) {
@@ -163,8 +182,7 @@ void PnpOptions::Validate() const {
 std::optional<PnpResult> SolvePnp(const StereoRig& rig,
                                   std::span<const PnpObservation> observations,
                                   std::span<const Rigid3> guesses, const PnpOptions& options) {
-  const std::size_t count = observations.size();
-  if (count < static_cast<std::size_t>(options.min_inliers)) {
+  if (observations.size() < static_cast<std::size_t>(options.min_inliers)) {
     return std::nullopt;
   }
   constexpr int kLocalIterations = 3;
@@ -181,18 +199,17 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
   for (const Rigid3& guess : guesses) {
     consider(guess);
   }
-  std::mt19937_64 generator(0);
-  int needed = IterationsNeeded(static_cast<double>(best.inliers) / count, options);
+  Ballot ballot(observations);
+  int needed = IterationsNeeded(best.votes / ballot.all(), options);
   for (int iteration = 0; iteration < needed; ++iteration) {
-    const std::array<std::size_t, 3> sample = {
-        DrawBelow(generator, count), DrawBelow(generator, count), DrawBelow(generator, count)};
+    const std::array<std::size_t, 3> sample = {ballot.Draw(), ballot.Draw(), ballot.Draw()};
     if (sample[0] == sample[1] || sample[0] == sample[2] || sample[1] == sample[2]) {
       continue;
     }
     for (const Rigid3& world_from_body : SolveP3P(rig, observations, sample)) {
       consider(world_from_body);
     }
-    needed = IterationsNeeded(static_cast<double>(best.inliers) / count, options);
+    needed = IterationsNeeded(best.votes / ballot.all(), options);
   }
   if (best.inliers < options.min_inliers) {
     return std::nullopt;
@@ -206,7 +223,10 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
   }
   const Eigen::Matrix<double, 6, 6> covariance =
       cholesky.solve(Eigen::Matrix<double, 6, 6>::Identity());
-  PnpResult result{best.world_from_body, std::move(best.verdicts), best.inliers,
+  PnpResult result{best.world_from_body,
+                   std::move(best.verdicts),
+                   best.inliers,
+                   best.votes / ballot.all(),
                    WorstSigma(covariance.topLeftCorner<3, 3>()),
                    WorstSigma(covariance.bottomRightCorner<3, 3>())};
   const bool certain = result.position_sigma_m <= options.max_position_sigma_m &&

@@ -67,8 +67,10 @@ Hypothesis Score(const StereoRig& rig, const Rigid3& world_from_body,
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const Judgement judgement = Judge(posed, observations[i], weight);
     hypothesis.verdicts[i] = judgement.verdict;
-    hypothesis.inliers += judgement.verdict != PnpVerdict::kOutlier ? 1 : 0;
-    hypothesis.score += judgement.score;
+    const bool is_inlier = judgement.verdict != PnpVerdict::kOutlier;
+    hypothesis.inliers += is_inlier ? 1 : 0;
+    hypothesis.votes += is_inlier ? observations[i].vote : 0.0;
+    hypothesis.score += observations[i].vote * judgement.score;
   }
   return hypothesis;
 }

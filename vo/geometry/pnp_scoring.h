@@ -49,6 +49,7 @@ struct Hypothesis {
   Rigid3 world_from_body;
   std::vector<PnpVerdict> verdicts;
   int inliers = 0;
+  double votes = 0.0;  // Of the inliers.
   double score = 0.0;
 };
 

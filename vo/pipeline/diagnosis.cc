@@ -172,7 +172,7 @@ std::optional<std::string> WrongWeights(const RunEvidence& evidence, const Sums&
   }
   return "the networks match next to nothing where plain corners match well (" +
          OfTotal(sums.fit, sums.corners) +
-         " from left to right): do the weights of SuperPoint and SuperGlue belong together?";
+         " from left to right): do their weights belong together?";
 }
 
 }  // namespace

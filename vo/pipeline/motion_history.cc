@@ -5,6 +5,18 @@
 #include <utility>
 
 namespace gluevo::vo {
+namespace {
+
+constexpr double kDecayS = 0.5;
+
+double Seconds(int64_t from_ns, int64_t to_ns) {
+  return static_cast<double>(to_ns - from_ns) * 1e-9;
+}
+
+// How long something moves that comes to rest, in times of its first speed.
+double MovingS(double seconds) { return kDecayS * (1.0 - std::exp(-seconds / kDecayS)); }
+
+}  // namespace
 
 void MotionHistory::Add(const StampedPose& pose, bool starts_segment) {
   last_but_one_ = std::exchange(last_, pose);
@@ -26,20 +38,37 @@ std::vector<Rigid3> MotionHistory::Guesses() const {
 }
 
 Rigid3 MotionHistory::Predict(int64_t timestamp_ns) const {
-  constexpr double kDecayS = 0.5;
   if (!last_but_one_) {
     return last_->world_from_body;
   }
-  const auto seconds = [](int64_t from_ns, int64_t to_ns) {
-    return static_cast<double>(to_ns - from_ns) * 1e-9;
-  };
   const Rigid3 motion = last_but_one_->world_from_body.Inverse() * last_->world_from_body;
-  const double moving_s =
-      kDecayS * (1.0 - std::exp(-seconds(last_->timestamp_ns, timestamp_ns) / kDecayS));
-  const double share = moving_s / seconds(last_but_one_->timestamp_ns, last_->timestamp_ns);
+  const double share = MovingS(Seconds(last_->timestamp_ns, timestamp_ns)) /
+                       Seconds(last_but_one_->timestamp_ns, last_->timestamp_ns);
   Eigen::AngleAxisd turn(motion.rotation);
   turn.angle() *= share;
   return last_->world_from_body * Rigid3{Eigen::Quaterniond(turn), share * motion.translation};
+}
+
+PoseCovariance MotionHistory::PredictionCovariance(int64_t timestamp_ns) const {
+  constexpr double kAcceleration = 2.0;         // m/s^2, of people, cars and copters.
+  constexpr double kAngularAcceleration = 2.0;  // rad/s^2.
+  const double seconds = Seconds(last_->timestamp_ns, timestamp_ns);
+  const double pushed = 0.5 * seconds * seconds;
+  double speed = 0.0;
+  double turning_speed = 0.0;
+  if (last_but_one_) {
+    const double before = Seconds(last_but_one_->timestamp_ns, last_->timestamp_ns);
+    const Rigid3 motion = last_but_one_->world_from_body.Inverse() * last_->world_from_body;
+    speed = motion.translation.norm() / before;
+    turning_speed = Eigen::AngleAxisd(motion.rotation).angle() / before;
+  }
+  const double gone_on = seconds - MovingS(seconds);
+  const double position = std::hypot(kAcceleration * pushed, speed * gone_on);
+  const double rotation = std::hypot(kAngularAcceleration * pushed, turning_speed * gone_on);
+  PoseCovariance covariance = PoseCovariance::Zero();
+  covariance.diagonal() << Eigen::Vector3d::Constant(position * position),
+      Eigen::Vector3d::Constant(rotation * rotation);
+  return covariance;
 }
 
 }  // namespace gluevo::vo

@@ -1,7 +1,6 @@
 #include "gluevo/vo/pipeline/odometry.h"
 
 #include <algorithm>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -12,10 +11,6 @@
 
 namespace gluevo::vo {
 namespace {
-
-bool IsFinite(const Rigid3& pose) {
-  return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
-}
 
 // What a front end gives is not trusted: one NaN would spoil the whole window.
 TrackedFrame WithoutNonFinite(TrackedFrame frame) {
@@ -51,14 +46,16 @@ Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
       rig_(rig),
       frontend_(MakeFrontEnd(config.frontend, rig, LoadFrontEndNetworks(config.frontend), *pool_)),
       options_(config.odometry),
-      window_(std::make_unique<SlidingWindow>(rig, options_.window)) {}
+      window_(std::make_unique<SlidingWindow>(rig, options_.window)),
+      votes_(options_.votes) {}
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
                    const OdometryOptions& options)
     : rig_(rig),
       frontend_(std::move(frontend)),
       options_(options),
-      window_(std::make_unique<SlidingWindow>(rig, options.window)) {
+      window_(std::make_unique<SlidingWindow>(rig, options.window)),
+      votes_(options.votes) {
   options_.Validate();
 }
 
@@ -72,6 +69,9 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   options_ = other.options_;
   window_ = std::move(other.window_);
   history_ = other.history_;
+  votes_ = std::move(other.votes_);
+  uncertainty_ = other.uncertainty_;
+  keyframe_ns_ = other.keyframe_ns_;
   last_timestamp_ns_ = other.last_timestamp_ns_;
   segment_ = other.segment_;
   passed_over_ = other.passed_over_;
@@ -103,7 +103,11 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     timer.End("estimator");
     return result;
   }
-  const bool is_linked = pose && Estimate(tracked, *pose);
+  TrackedFrame at_rest = tracked;
+  if (pose) {
+    Judge(at_rest, *pose, result);
+  }
+  const bool is_linked = pose && Estimate(at_rest, *pose);
   if (!is_linked) {
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
@@ -112,6 +116,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   result.is_keyframe = window_->newest_is_keyframe();
   result.inliers = pose->inliers;
   Describe(result);
+  Rate(is_linked, result);
   window_->Slide();
   passed_over_ = 0;
   history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
@@ -129,19 +134,21 @@ void Odometry::CheckTime(int64_t timestamp_ns) const {
 }
 
 bool Odometry::MayPassOver(const TrackedFrame& frame) const {
-  if (!history_.last() || CountStereo(frame) >= options_.min_stereo) {
+  if (!history_.last()) {
     return false;
   }
-  // A segment that has seen nothing so far needs no other one to see nothing in.
   const double seconds =
       static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
-  return window_->CountLandmarks() == 0 || seconds <= options_.max_predicted_s;
+  const bool has_something_to_wait_for = window_->CountLandmarks() > 0;
+  return CountStereo(frame) < options_.min_stereo ||
+         (has_something_to_wait_for && seconds <= options_.max_predicted_s);
 }
 
 void Odometry::PassOver(FrameResult& result) {
   ++passed_over_;
   result.is_predicted = true;
   result.world_from_body = history_.Predict(result.timestamp_ns);
+  RateByMotionBefore(result);
   Describe(result);
   frontend_->Accept({.is_passed_over = true});
 }
@@ -167,13 +174,20 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
   if (window_->empty()) {
     return std::nullopt;
   }
-  const std::vector<SlidingWindow::Correspondence> correspondences =
+  std::vector<SlidingWindow::Correspondence> correspondences =
       window_->Correspond(frame, FromReferencePx(options_.pnp.noise_px));
+  std::erase_if(correspondences, [&](const SlidingWindow::Correspondence& correspondence) {
+    return votes_.Moves(frame.observations[correspondence.observation].track_id);
+  });
   std::vector<PnpObservation> observations;
+  std::vector<const Observation*> seen;
   observations.reserve(correspondences.size());
+  seen.reserve(correspondences.size());
   for (const SlidingWindow::Correspondence& correspondence : correspondences) {
     observations.push_back(correspondence.pnp);
+    seen.push_back(&frame.observations[correspondence.observation]);
   }
+  votes_.Assign(seen, rig_.cameras[0].width, observations);
   result.tracked = static_cast<int>(observations.size());
   std::vector<Rigid3> guesses = history_.Guesses();
   if (passed_over_ > 0) {
@@ -188,12 +202,32 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
     result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
     return std::nullopt;
   }
+  result.is_doubtful = pnp->vote_share < options_.votes.doubtful_share;
   FramePose pose{pnp->world_from_body, pnp->inliers, {}};
   pose.verdicts.resize(frame.observations.size());
   for (std::size_t i = 0; i < correspondences.size(); ++i) {
     pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
   }
   return pose;
+}
+
+void Odometry::Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result) {
+  votes_.Learn(tracked, pose.verdicts);
+  TrackedFrame kept{tracked.timestamp_ns, {}, {}};
+  std::vector<std::optional<PnpVerdict>> verdicts;
+  kept.observations.reserve(tracked.observations.size());
+  verdicts.reserve(tracked.observations.size());
+  for (std::size_t i = 0; i < tracked.observations.size(); ++i) {
+    if (votes_.Moves(tracked.observations[i].track_id)) {
+      ++result.moving;
+    } else {
+      kept.observations.push_back(tracked.observations[i]);
+      verdicts.push_back(pose.verdicts[i]);
+    }
+  }
+  result.is_left_only = CountStereo(kept) < options_.min_stereo;
+  tracked = std::move(kept);
+  pose.verdicts = std::move(verdicts);
 }
 
 bool Odometry::Estimate(const TrackedFrame& tracked, const FramePose& pose) {
@@ -214,6 +248,7 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
         passed_over_ > 0 ? history_.Predict(frame.timestamp_ns) : history_.last()->world_from_body;
     ++segment_;
   }
+  votes_.Clear();
   *window_ = SlidingWindow(rig_, options_.window);
   return pose;
 }
@@ -231,24 +266,30 @@ void Odometry::Describe(FrameResult& result) const {
                           result.tracked_frame.stages_ms.end());
 }
 
-double Odometry::SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const {
-  const StampedPose& last = *history_.last();
-  const double seconds = static_cast<double>(timestamp_ns - last.timestamp_ns) * 1e-9;
-  return (world_from_body.translation - last.world_from_body.translation).norm() / seconds;
+void Odometry::Rate(bool is_linked, FrameResult& result) {
+  if (!is_linked) {
+    uncertainty_.Start();
+    result.motion_from_ns = result.timestamp_ns;
+  } else if (const auto motion = window_->MotionSinceKeyframe()) {
+    result.keyframe_from_body = motion->keyframe_from_body;
+    result.motion_from_ns = keyframe_ns_;
+    result.motion_covariance = motion->covariance;
+    result.path_covariance =
+        uncertainty_.Add(motion->keyframe_from_body, motion->covariance, result.is_keyframe);
+  } else {
+    RateByMotionBefore(result);
+  }
+  if (result.is_keyframe) {
+    keyframe_ns_ = result.timestamp_ns;
+  }
 }
 
-bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const {
-  const std::optional<StampedPose>& last = history_.last();
-  if (!last) {
-    return IsFinite(world_from_body);
-  }
-  const double seconds = static_cast<double>(timestamp_ns - last->timestamp_ns) * 1e-9;
-  const Rigid3 motion = last->world_from_body.Inverse() * world_from_body;
-  const double turn_deg =
-      motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi;
-  return IsFinite(world_from_body) &&
-         motion.translation.norm() <= options_.max_speed_m_per_s * seconds &&
-         turn_deg <= options_.max_turn_deg_per_s * seconds;
+void Odometry::RateByMotionBefore(FrameResult& result) const {
+  const StampedPose& last = *history_.last();
+  result.keyframe_from_body = last.world_from_body.Inverse() * result.world_from_body;
+  result.motion_from_ns = last.timestamp_ns;
+  result.motion_covariance = history_.PredictionCovariance(result.timestamp_ns);
+  result.path_covariance = uncertainty_.After(result.keyframe_from_body, result.motion_covariance);
 }
 
 }  // namespace gluevo::vo

@@ -7,10 +7,11 @@ namespace gluevo::vo {
 void OdometryOptions::Validate() const {
   pnp.Validate();
   window.Validate();
+  votes.Validate();
   CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
   CheckPositive(max_turn_deg_per_s, "max_turn_deg_per_s");
   CheckAtLeast(min_stereo, 0, "min_stereo");
-  CheckPositive(max_predicted_s, "max_predicted_s");
+  CheckWithin(max_predicted_s, 0.0, 1e6, "max_predicted_s");
 }
 
 void OdometryConfig::Validate() const {

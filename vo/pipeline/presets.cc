@@ -25,12 +25,21 @@ constexpr PresetRow kPresets[] = {
      }},
 };
 
-void ApplyMethod(const std::string& method, OdometryConfig& config) {
-  config.frontend.method = method;
+void ApplyNetworks(const std::string& method, const std::string& features,
+                   const std::string& matcher, FrontEndConfig& config) {
+  config.method = method;
+  config.features = features;
+  config.matcher = MatcherOf(features, matcher);
+  config.keypoints.keypoint_threshold = UsualKeypointThreshold(features);
   if (method == "superpoint") {
     // Tracks need not lie on the strongest keypoints of the right image.
-    config.frontend.superpoint.keypoint_threshold = 0.0005F;
-    config.frontend.superpoint.max_keypoints = 1500;
+    config.keypoints.keypoint_threshold = features == "aliked" ? 0.02F : 0.0005F;
+    config.keypoints.max_keypoints = 1500;
+  } else {
+    config.learned.tracking_threshold = UsualMatchThreshold(config.matcher);
+    config.learned.stereo_threshold = config.learned.tracking_threshold;
+    // ALIKED's keypoints are refined by their neighbours' scores.
+    config.refine = features == "aliked" ? "none" : "lk";
   }
 }
 
@@ -56,7 +65,8 @@ std::string PresetOf(DatasetFormat format) {
   return "euroc";
 }
 
-OdometryConfig PresetConfig(const std::string& preset, const std::string& method) {
+OdometryConfig PresetConfig(const std::string& preset, const std::string& method,
+                            const std::string& features, const std::string& matcher) {
   const auto* const row =
       std::find_if(std::begin(kPresets), std::end(kPresets),
                    [&](const PresetRow& known) { return known.name == preset; });
@@ -68,7 +78,7 @@ OdometryConfig PresetConfig(const std::string& preset, const std::string& method
     throw Error("preset " + Quoted(preset) + " is not known; expected one of " + names);
   }
   OdometryConfig config;
-  ApplyMethod(method, config);
+  ApplyNetworks(method, features, matcher, config.frontend);
   row->apply(config);
   config.frontend.Validate();
   return config;

@@ -107,26 +107,46 @@ cv::Mat Renderer::Render(const SimulatedWorld& world, int camera,
   return sums;
 }
 
-cv::Mat Renderer::Depth(const SimulatedWorld& world, int camera,
-                        const vo::Rigid3& world_from_body) const {
-  const vo::Camera& model = rig_.cameras[camera];
+template <typename Visitor>
+void Renderer::ForEachCenter(const SimulatedWorld& world, int camera,
+                             const vo::Rigid3& world_from_body, Visitor visit) const {
   const std::vector<FaceView> faces =
       FacesInView(world, world_from_body * rig_.body_from_cam[camera]);
-  cv::Mat depth(model.height, model.width, CV_32FC1,
-                cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
   TileFaces seen;
   for (const RayGrid::Tile& tile : centers_[camera].tiles) {
     seen.Find(faces, tile);
     for (int y = tile.top; y < tile.bottom; ++y) {
       for (int x = tile.left; x < tile.right; ++x) {
         const Eigen::Vector2f& ray = *centers_[camera].RaysOf(x, y);
-        const FaceView* const face = seen.Meet(ray);
-        if (face == nullptr) continue;
-        depth.at<float>(y, x) = face->distance / ValueAt(face->across, ray.x(), ray.y());
+        if (const FaceView* const face = seen.Meet(ray); face != nullptr) {
+          visit(x, y, ray, *face);
+        }
       }
     }
   }
+}
+
+cv::Mat Renderer::Depth(const SimulatedWorld& world, int camera,
+                        const vo::Rigid3& world_from_body) const {
+  const vo::Camera& model = rig_.cameras[camera];
+  cv::Mat depth(model.height, model.width, CV_32FC1,
+                cv::Scalar(std::numeric_limits<double>::quiet_NaN()));
+  ForEachCenter(world, camera, world_from_body,
+                [&](int x, int y, const Eigen::Vector2f& ray, const FaceView& face) {
+                  depth.at<float>(y, x) = face.distance / ValueAt(face.across, ray.x(), ray.y());
+                });
   return depth;
+}
+
+cv::Mat Renderer::MaskOfBoxes(const SimulatedWorld& world, int camera,
+                              const vo::Rigid3& world_from_body, int first_box) const {
+  const vo::Camera& model = rig_.cameras[camera];
+  cv::Mat mask(model.height, model.width, CV_8UC1, cv::Scalar(0));
+  ForEachCenter(world, camera, world_from_body,
+                [&](int x, int y, const Eigen::Vector2f&, const FaceView& face) {
+                  mask.at<unsigned char>(y, x) = face.box >= first_box ? 255 : 0;
+                });
+  return mask;
 }
 
 Eye Renderer::At(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body) const {

@@ -32,12 +32,20 @@ class Renderer {
   /// NaN where the camera has no ray.
   cv::Mat Depth(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body) const;
 
+  /// CV_8UC1: 255 where the centre of a pixel shows a box of the world from `first_box` on, else 0.
+  cv::Mat MaskOfBoxes(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body,
+                      int first_box) const;
+
   /// Exact correspondences of a camera of the body at a pose. The world must outlive it.
   Eye At(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body) const;
 
   const vo::StereoRig& rig() const { return rig_; }
 
  private:
+  /// Calls visit(x, y, ray, face) for each pixel whose centre has a ray that meets a face.
+  template <typename Visitor>
+  void ForEachCenter(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body,
+                     Visitor visit) const;
   /// Adds what the samples `first`, `first` + `step`, ... of each pixel see to the sums.
   void Accumulate(const SimulatedWorld& world, int camera, const vo::Rigid3& world_from_body,
                   int first, int step, cv::Mat* sums) const;

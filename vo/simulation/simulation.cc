@@ -12,6 +12,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "imu.h"
+#include "movers.h"
 #include "parallel_for.h"
 #include "partial_directory.h"
 #include "random.h"
@@ -30,7 +31,13 @@ int64_t TimeNs(int64_t index, double rate_hz) {
 double Seconds(int64_t time_ns) { return static_cast<double>(time_ns) * 1e-9; }
 
 /// The streams of randomness that a seed feeds.
-enum Stream : uint64_t { kWorldStream = 1, kImuStream = 2, kImageStream = 3, kExposureStream = 4 };
+enum Stream : uint64_t {
+  kWorldStream = 1,
+  kImuStream = 2,
+  kImageStream = 3,
+  kExposureStream = 4,
+  kMoverStream = 5
+};
 
 void WriteImage(const std::filesystem::path& file, const cv::Mat& image) {
   std::vector<unsigned char> bytes;
@@ -130,6 +137,11 @@ void SimulationOptions::Validate() const {
   check(width >= 64 && width <= 4096 && height >= 64 && height <= 4096,
         "the sides of simulated images must be 64 to 4096 pixels");
   image.Validate();
+  check(movers >= 0 && movers <= 1000, "the number of movers must be 0 to 1000");
+  check(movers_cover > 0.0 && movers_cover <= 0.5,
+        "the share of the image that a mover fills must be above 0 and at most 0.5");
+  check(movers == 0 || !correspondences,
+        "correspondences are those of a scene at rest, expected no movers");
   check(threads >= 0 && threads <= 1024, "the number of threads must be 0 (all) to 1024");
 }
 
@@ -147,6 +159,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   if (options.depth) {
     for (const char* name : {"cam0/depth", "cam1/depth"}) partial.Sub(std::string("mav0/") + name);
   }
+  if (options.movers > 0) partial.Sub("mav0/cam0/movers");
 
   const int pairs = std::max(1, static_cast<int>(flight.duration_s * options.rate_hz + 1e-6));
   std::vector<int64_t> times(pairs);
@@ -169,6 +182,9 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   const SimulatedWorld world =
       MakeRoom(Hash(options.seed, kWorldStream), PlanRoom(points, flight.side_margin), points,
                style, threads, {}, options.checkpoint);
+  const std::vector<Mover> movers =
+      MakeMovers(Hash(options.seed, kMoverStream), options.movers, options.movers_cover, flight,
+                 rig, style.box_texel_m, threads, options.checkpoint);
   const Renderer renderer(rig, threads);
   const Sensor sensor(options.image);
   std::mutex progress_mutex;
@@ -178,14 +194,20 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
     const double time = Seconds(times[i / 2]);
     const std::filesystem::path folder = mav / ("cam" + std::to_string(camera));
     const std::string stamp = std::to_string(stamps[i / 2]);
+    const SimulatedWorld now = WorldAt(world, movers, time);
     const cv::Mat brightness = renderer.Render(
-        world, camera, PosesOfExposure(flight.path, time, options.image.motion_blur_ms, rig));
+        now, camera, PosesOfExposure(flight.path, time, options.image.motion_blur_ms, rig));
     WriteImage(folder / "data" / (stamp + ".png"),
                sensor.Expose(brightness, sensor.Exposure(time, Hash(options.seed, kExposureStream)),
                              Hash(options.seed, kImageStream, i)));
     if (options.depth) {
       WriteImage(folder / "depth" / (stamp + ".tiff"),
-                 renderer.Depth(world, camera, flight.path(time)));
+                 renderer.Depth(now, camera, flight.path(time)));
+    }
+    if (!movers.empty() && camera == 0) {
+      WriteImage(folder / "movers" / (stamp + ".png"),
+                 renderer.MaskOfBoxes(now, camera, flight.path(time),
+                                      static_cast<int>(world.boxes.size())));
     }
     const std::lock_guard<std::mutex> lock(progress_mutex);
     if (progress) progress(++done, 2 * pairs);

@@ -25,8 +25,10 @@ void Texture::Level::Pad() {
   std::copy(last, last + stride, last + stride);
 }
 
-Texture::Texture() : levels_{Level(1, 1, 1.0)} {
-  std::fill(levels_[0].texels.begin(), levels_[0].texels.end(), uint8_t{128});
+Texture::Texture() {
+  Level gray(1, 1, 1.0);
+  std::fill(gray.texels.begin(), gray.texels.end(), uint8_t{128});
+  levels_ = std::make_shared<const std::vector<Level>>(1, std::move(gray));
 }
 
 Texture::Texture(double width_m, double height_m, double texel_m, const Pattern& pattern,
@@ -34,9 +36,10 @@ Texture::Texture(double width_m, double height_m, double texel_m, const Pattern&
   constexpr double kMostTexels = 16384.0;
   texel_m = std::max(texel_m, std::max(width_m, height_m) / kMostTexels);
   log2_texel_m_ = static_cast<float>(std::log2(texel_m));
-  levels_.emplace_back(std::max(1, static_cast<int>(std::ceil(width_m / texel_m))),
-                       std::max(1, static_cast<int>(std::ceil(height_m / texel_m))), texel_m);
-  Level& base = levels_.back();
+  std::vector<Level> levels;
+  levels.emplace_back(std::max(1, static_cast<int>(std::ceil(width_m / texel_m))),
+                      std::max(1, static_cast<int>(std::ceil(height_m / texel_m))), texel_m);
+  Level& base = levels.back();
   ParallelFor(base.rows, threads, [&](int row) {
     if (checkpoint) checkpoint();
     uint8_t* texels = &base.texels[static_cast<std::size_t>(row) * base.stride];
@@ -46,8 +49,8 @@ Texture::Texture(double width_m, double height_m, double texel_m, const Pattern&
     }
   });
   base.Pad();
-  while (levels_.back().columns > 1 && levels_.back().rows > 1) {
-    const Level& fine = levels_.back();
+  while (levels.back().columns > 1 && levels.back().rows > 1) {
+    const Level& fine = levels.back();
     // A last odd texel has no partner and is left to the clamped edge.
     texel_m *= 2.0;
     Level coarse(fine.columns / 2, fine.rows / 2, texel_m);
@@ -62,8 +65,9 @@ Texture::Texture(double width_m, double height_m, double texel_m, const Pattern&
       }
     }
     coarse.Pad();
-    levels_.push_back(std::move(coarse));
+    levels.push_back(std::move(coarse));
   }
+  levels_ = std::make_shared<const std::vector<Level>>(std::move(levels));
 }
 
 }  // namespace gluevo::simulation

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace gluevo::simulation {
@@ -12,7 +13,7 @@ namespace gluevo::simulation {
 /// Brightness 0 to 1 at (u, v), metres from a surface's corner.
 using Pattern = std::function<double(double, double)>;
 
-/// A pattern baked into a pyramid of 8-bit images, sampled trilinearly.
+/// A pattern baked into a pyramid of 8-bit images, sampled trilinearly. Copies share the images.
 class Texture {
  private:
   struct Level {
@@ -108,14 +109,14 @@ class Texture {
   /// For footprints of about 2^log2_footprint_m metres a side.
   Sampler At(float log2_footprint_m) const {
     const float level =
-        std::clamp(log2_footprint_m - log2_texel_m_, 0.0F, static_cast<float>(levels_.size() - 1));
+        std::clamp(log2_footprint_m - log2_texel_m_, 0.0F, static_cast<float>(levels_->size() - 1));
     const auto fine = static_cast<std::size_t>(level);
-    return {levels_[fine], levels_[std::min(fine + 1, levels_.size() - 1)],
+    return {(*levels_)[fine], (*levels_)[std::min(fine + 1, levels_->size() - 1)],
             level - static_cast<float>(fine)};
   }
 
  private:
-  std::vector<Level> levels_;
+  std::shared_ptr<const std::vector<Level>> levels_;  ///< Never absent.
   float log2_texel_m_ = 0.0F;
 };
 

@@ -13,6 +13,7 @@ import make_container_files
 import make_golden
 import networks
 import numpy as np
+import open_networks
 import superglues
 import superpoints
 import torch
@@ -49,6 +50,12 @@ def main():
         del state[name]
     save_file(state, path("container", "superglue_half.safetensors"))
     torch.save({"model": glue.state_dict()}, path("container", "superglue_legacy.pth"), **legacy)
+
+    for name in ("aliked", "lightglue"):
+        shapes = getattr(open_networks, name)()
+        state = {key: torch.ones(shape).half() for key, shape in shapes.items()}
+        for harness in ("container", "open_networks"):
+            save_file(state, path(harness, f"{name}.safetensors"))
 
     arrays = {"c": np.ones((2, 1), "<f4"), "f": np.asfortranarray(np.ones((2, 3), "<f2"))}
     for name, array in arrays.items():

@@ -1,80 +1,15 @@
 #include "gluevo/weights_tools/architecture.h"
 
 #include <charconv>
-#include <set>
-#include <string_view>
+
+#include "open_architectures.h"
+#include "tensor_taker.h"
 
 namespace gluevo::weights_tools {
 namespace {
 
 using nn::Shape;
-using nn::Tensor;
 using nn::Weights;
-
-/// Gets tensors and remembers which, so that those of no use can be named.
-class Taker {
- public:
-  explicit Taker(const Weights& weights) : weights_(weights) {}
-
-  void Take(const std::string& name, const Shape& shape) {
-    weights_.Get(name, shape);
-    taken_.insert(name);
-  }
-
-  /// Takes NAME.weight [output x input x kernel...] and NAME.bias; returns the output channels,
-  /// which may be any number where `output` is 0.
-  int64_t TakeConvolution(const std::string& name, int64_t input, int rank, int64_t kernel,
-                          int64_t output = 0) {
-    if (output == 0) {
-      const Shape& shape = weights_.Get(name + ".weight").shape();
-      output = shape.rank() == 0 ? 0 : shape[0];
-      if (output == 0) {
-        throw Error(weights_.source + ": tensor " + Quoted(name + ".weight") + " has shape " +
-                    shape.ToString() + ", expected the weights of a convolution");
-      }
-    }
-    Take(name + ".weight",
-         rank == 4 ? Shape{output, input, kernel, kernel} : Shape{output, input, kernel});
-    Take(name + ".bias", Shape{output});
-    return output;
-  }
-
-  /// Takes NAME.scale and NAME.shift where they are there; false where both lack.
-  bool TakeAffine(const std::string& name, int64_t channels) {
-    if (!weights_.Has(name + ".scale") && !weights_.Has(name + ".shift")) {
-      return false;
-    }
-    Take(name + ".scale", Shape{channels});
-    Take(name + ".shift", Shape{channels});
-    return true;
-  }
-
-  void TakeBatchNorm(const std::string& name, int64_t channels) {
-    for (const char* part : {".weight", ".bias", ".running_mean", ".running_var"}) {
-      Take(name + part, Shape{channels});
-    }
-    const Tensor<float>& variance = weights_.Get(name + ".running_var");
-    for (int64_t i = 0; i < variance.size(); ++i) {
-      if (variance[i] < 0) {
-        throw Error(weights_.source + ": tensor " + Quoted(name + ".running_var") +
-                    " holds a negative variance at index " + std::to_string(i));
-      }
-    }
-  }
-
-  void CheckNothingIsLeft(const std::string& network) const {
-    for (const auto& [name, tensor] : weights_.tensors) {
-      if (!taken_.contains(name)) {
-        throw Error(weights_.source + ": tensor " + Quoted(name) + " does not belong to a " +
-                    network);
-      }
-    }
-  }
-
- private:
-  const Weights& weights_;
-  std::set<std::string> taken_;
-};
 
 SuperPointArchitecture ReadSuperPoint(const Weights& weights) {
   constexpr int64_t kCellAndDustbin = 65;
@@ -175,24 +110,43 @@ int64_t ParseHeads(const std::string& text) {
 }
 
 Architecture ReadArchitecture(const Weights& weights) {
-  const bool superpoint = weights.Has("conv1a.weight");
-  const bool superglue = weights.Has("final_proj.weight");
-  if (superpoint && superglue) {
-    throw Error(weights.source + ": holds both a SuperPoint and a SuperGlue, expected one network");
+  struct Kind {
+    const char* tensor;  // That only this network has.
+    const char* name;
+    Architecture (*read)(const Weights&);
+  };
+  constexpr std::array<Kind, 4> kKinds = {{
+      {"conv1a.weight", "SuperPoint",
+       [](const Weights& w) -> Architecture { return ReadSuperPoint(w); }},
+      {"final_proj.weight", "SuperGlue",
+       [](const Weights& w) -> Architecture { return ReadSuperGlue(w); }},
+      {"posenc.Wr.weight", "LightGlue",
+       [](const Weights& w) -> Architecture { return ReadLightGlue(w); }},
+      {"desc_head.agg_weights", "ALIKED",
+       [](const Weights& w) -> Architecture { return ReadAliked(w); }},
+  }};
+  const Kind* found = nullptr;
+  for (const Kind& kind : kKinds) {
+    if (!weights.Has(kind.tensor)) {
+      continue;
+    }
+    if (found != nullptr) {
+      throw Error(weights.source + ": holds both a " + found->name + " and a " + kind.name +
+                  ", expected one network");
+    }
+    found = &kind;
   }
-  if (superpoint) {
-    return ReadSuperPoint(weights);
+  if (found == nullptr) {
+    throw Error(weights.source +
+                ": is neither a SuperPoint nor a SuperGlue, a LightGlue nor an ALIKED: there is no "
+                "tensor \"conv1a.weight\", \"final_proj.weight\", \"posenc.Wr.weight\" nor "
+                "\"desc_head.agg_weights\"");
   }
-  if (superglue) {
-    return ReadSuperGlue(weights);
-  }
-  throw Error(weights.source +
-              ": is neither a SuperPoint nor a SuperGlue: there is no tensor \"conv1a.weight\" nor "
-              "\"final_proj.weight\"");
+  return found->read(weights);
 }
 
 std::string NetworkName(const Architecture& architecture) {
-  return std::holds_alternative<SuperPointArchitecture>(architecture) ? "superpoint" : "superglue";
+  return kNetworkNames[architecture.index()];
 }
 
 std::map<std::string, std::string> ArchitectureMetadata(const Architecture& architecture) {
@@ -213,6 +167,15 @@ std::map<std::string, std::string> ArchitectureMetadata(const Architecture& arch
     if (superglue->heads_assumed) {
       metadata["heads_assumed"] = "no tensor tells: as published";
     }
+  } else if (const auto* lightglue = std::get_if<LightGlueArchitecture>(&architecture)) {
+    metadata["descriptor_size"] = std::to_string(lightglue->descriptor_size);
+    metadata["size"] = std::to_string(lightglue->size);
+    metadata["layers"] = std::to_string(lightglue->layers);
+    metadata["heads"] = std::to_string(lightglue->heads);
+  } else if (const auto* aliked = std::get_if<AlikedArchitecture>(&architecture)) {
+    metadata["widths"] = Join(aliked->widths);
+    metadata["descriptor_size"] = std::to_string(aliked->descriptor_size);
+    metadata["samples"] = std::to_string(aliked->samples);
   }
   return metadata;
 }

@@ -102,7 +102,7 @@ void Describe(CanonicalNetwork& network, std::map<std::string, std::string> meta
   CheckFinite(weights);
   const Architecture architecture = ReadArchitecture(weights);
   const std::string name = NetworkName(architecture);
-  if (name == "superpoint") {
+  if (name != "superglue") {
     weights.metadata.erase("heads");
   } else if (heads.config) {
     CheckConfig(*heads.config, std::get<SuperGlueArchitecture>(architecture), weights.source);
@@ -132,9 +132,11 @@ void ConvertOptions::Validate() const {
     throw Error("number of heads " + std::to_string(*heads) +
                 " is out of range: expected at least 1");
   }
-  if (network && *network != "superpoint" && *network != "superglue") {
+  if (network &&
+      std::find(kNetworkNames.begin(), kNetworkNames.end(), *network) == kNetworkNames.end()) {
     throw Error("network " + Quoted(*network) +
-                " is unknown: expected \"superpoint\" or \"superglue\"");
+                " is unknown: expected \"superpoint\", \"superglue\", \"lightglue\" or "
+                "\"aliked\"");
   }
 }
 

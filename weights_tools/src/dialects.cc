@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "lightglue_dialects.h"
 #include "superglue_dialects.h"
 #include "superpoint_dialects.h"
 
@@ -13,9 +15,9 @@ namespace gluevo::weights_tools {
 namespace {
 
 // How the first layer is called in each dialect.
-constexpr std::array<std::string_view, 6> kFirstLayers = {
+constexpr std::array<std::string_view, 8> kFirstLayers = {
     "conv1a.",         "encoder.conv_blocks.0.conv_a.", "backbone.0.0.conv.", "inc.conv.conv.0.",
-    "kenc.encoder.0.", "keypoint_encoder.encoder.0."};
+    "kenc.encoder.0.", "keypoint_encoder.encoder.0.",   "posenc.Wr.",         "block1.conv1."};
 
 constexpr std::size_t kMostWrappings = 16;
 
@@ -59,28 +61,45 @@ void RemoveWrappings(nn::Weights& weights) {
   weights.tensors = std::move(tensors);
 }
 
-// Matchers that people take for a SuperGlue, by a part of a name that only they have.
+// Matchers of which no form is known here, by a part of a name that only they have.
 void RefuseOtherMatchers(const nn::Weights& weights) {
-  constexpr std::array<std::pair<std::string_view, const char*>, 4> kOthers = {
-      {{"self_attn.0.Wqkv.", "LightGlue"},
-       {"transformers.0.self_attn.Wqkv.", "LightGlue"},
-       {"transformer_layers.0.self_attention.q_proj.", "LightGlue"},
+  constexpr std::array<std::pair<std::string_view, const char*>, 2> kOthers = {
+      {{"transformer_layers.0.self_attention.q_proj.", "LightGlue in Hugging Face's form"},
        {"loftr_coarse.layers.0.", "LoFTR"}}};
   for (const auto& [name, tensor] : weights.tensors) {
     for (const auto& [part, network] : kOthers) {
       if (name.find(part) != std::string::npos) {
-        throw Error(weights.source + ": is a " + network + " (tensor " + Quoted(name) +
-                    "), expected a SuperPoint or a SuperGlue");
+        throw Error(
+            weights.source + ": is a " + network + " (tensor " + Quoted(name) +
+            "), expected a SuperPoint, a SuperGlue, an ALIKED or a LightGlue under its published " +
+            "names");
       }
     }
   }
 }
 
+constexpr std::array<std::string_view, 6> kSuperGlueStarts = {
+    "kenc.", "gnn.", "final_proj.", "bin_score", "keypoint_encoder.", "final_projection."};
+
 bool IsSuperGlueName(std::string_view name) {
-  constexpr std::array<std::string_view, 6> kStarts = {
-      "kenc.", "gnn.", "final_proj.", "bin_score", "keypoint_encoder.", "final_projection."};
-  return std::any_of(kStarts.begin(), kStarts.end(),
+  return std::any_of(kSuperGlueStarts.begin(), kSuperGlueStarts.end(),
                      [name](std::string_view start) { return name.starts_with(start); });
+}
+
+// Takes the tensors whose names start so out of the others.
+template <std::size_t kCount>
+nn::Weights Extract(nn::Weights& all, const std::array<std::string_view, kCount>& starts) {
+  nn::Weights part{.source = all.source, .checksum = all.checksum, .metadata = all.metadata};
+  for (auto it = all.tensors.begin(); it != all.tensors.end();) {
+    const auto next = std::next(it);
+    if (std::any_of(starts.begin(), starts.end(), [&](std::string_view start) {
+          return std::string_view(it->first).starts_with(start);
+        })) {
+      part.tensors.insert(all.tensors.extract(it));
+    }
+    it = next;
+  }
+  return part;
 }
 
 }  // namespace
@@ -89,22 +108,28 @@ std::vector<CanonicalNetwork> ToCanonical(Container container, int64_t heads) {
   nn::Weights& all = container.weights;
   RefuseOtherMatchers(all);
   RemoveWrappings(all);
-  nn::Weights superglue{.source = all.source, .checksum = all.checksum, .metadata = all.metadata};
-  for (auto it = all.tensors.begin(); it != all.tensors.end();) {
-    const auto next = std::next(it);
-    if (IsSuperGlueName(it->first)) {
-      superglue.tensors.insert(all.tensors.extract(it));
-    }
-    it = next;
+  constexpr std::array<std::string_view, 7> kLightGlue = {
+      "posenc.",     "input_proj.",     "transformers.",    "self_attn.",
+      "cross_attn.", "log_assignment.", "token_confidence."};
+  constexpr std::array<std::string_view, 10> kAliked = {
+      "block1.", "block2.", "block3.", "block4.",     "conv1.",
+      "conv2.",  "conv3.",  "conv4.",  "score_head.", "desc_head."};
+  std::vector<CanonicalNetwork> open_networks;
+  if (all.Has("desc_head.agg_weights")) {
+    open_networks.push_back({Extract(all, kAliked), "aliked"});
   }
+  if (all.Has("posenc.Wr.weight")) {
+    open_networks.push_back(TranslateLightGlue(Extract(all, kLightGlue)));
+  }
+  nn::Weights superglue = Extract(all, kSuperGlueStarts);
 
   std::vector<CanonicalNetwork> networks;
   if (std::optional<TranslatedSuperPoint> translated =
           TranslateSuperPoint(all, container.batch_norm_epsilon)) {
     networks.push_back({std::move(translated->weights), translated->dialect});
   } else {
-    // For the check of the SuperGlue to name.
-    superglue.tensors.merge(all.tensors);
+    // For the check of another network to name.
+    (open_networks.empty() ? superglue : open_networks.front().weights).tensors.merge(all.tensors);
   }
   if (std::any_of(superglue.tensors.begin(), superglue.tensors.end(),
                   [](const auto& entry) { return IsSuperGlueName(entry.first); })) {
@@ -117,11 +142,13 @@ std::vector<CanonicalNetwork> ToCanonical(Container container, int64_t heads) {
                   "\"kenc.encoder.0.weight\"");
     }
   }
+  std::move(open_networks.begin(), open_networks.end(), std::back_inserter(networks));
   if (networks.empty()) {
     throw Error(
         superglue.source +
-        ": is neither a SuperPoint nor a SuperGlue that is known: there is no tensor "
-        "\"conv1a.weight\" nor \"kenc.encoder.0.weight\", nor what other dialects call them");
+        ": is neither a SuperPoint nor a SuperGlue, a LightGlue nor an ALIKED that is known: there "
+        "is no tensor \"conv1a.weight\", \"kenc.encoder.0.weight\", \"posenc.Wr.weight\" nor "
+        "\"desc_head.agg_weights\", nor what other dialects call them");
   }
   return networks;
 }

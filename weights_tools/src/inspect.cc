@@ -79,6 +79,13 @@ std::string Describe(const Architecture& architecture) {
     text << "SuperGlue, " << superglue->layers << " layers of " << superglue->descriptor_size
          << ", " << superglue->heads << " heads" << (superglue->heads_assumed ? " (assumed)" : "")
          << ", keypoint encoder " << metadata.at("keypoint_encoder");
+  } else if (const auto* lightglue = std::get_if<LightGlueArchitecture>(&architecture)) {
+    text << "LightGlue, " << lightglue->layers << " layers of " << lightglue->size << ", "
+         << lightglue->heads << " heads, for descriptors of " << lightglue->descriptor_size
+         << (lightglue->adaptive_depth ? "" : ", cannot tell when to stop");
+  } else if (const auto* aliked = std::get_if<AlikedArchitecture>(&architecture)) {
+    text << "ALIKED, widths " << metadata.at("widths") << ", descriptors of "
+         << aliked->descriptor_size << " from " << aliked->samples << " positions";
   }
   return text.str();
 }
@@ -99,6 +106,15 @@ Json ToJson(const Network& network) {
             {"layers", superglue->layers},
             {"heads", superglue->heads},
             {"heads_assumed", superglue->heads_assumed}};
+  } else if (const auto* lightglue = std::get_if<LightGlueArchitecture>(&network.architecture)) {
+    json = {{"network", "lightglue"},    {"descriptor_size", lightglue->descriptor_size},
+            {"size", lightglue->size},   {"layers", lightglue->layers},
+            {"heads", lightglue->heads}, {"adaptive_depth", lightglue->adaptive_depth}};
+  } else if (const auto* aliked = std::get_if<AlikedArchitecture>(&network.architecture)) {
+    json = {{"network", "aliked"},
+            {"widths", aliked->widths},
+            {"descriptor_size", aliked->descriptor_size},
+            {"samples", aliked->samples}};
   }
   json["dialect"] = network.dialect;
   return json;

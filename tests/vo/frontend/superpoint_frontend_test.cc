@@ -114,7 +114,7 @@ TEST(SuperPointFrontEndTest, TracksLeftAndFindsTheRightPointBelowThePixel) {
     ASSERT_FALSE(first.observations.empty());
     ASSERT_FALSE(second.observations.empty());
     EXPECT_EQ(first.observations[0].track_id, second.observations[0].track_id);
-    EXPECT_TRUE(second.stages_ms.contains("superpoint"));
+    EXPECT_TRUE(second.stages_ms.contains("features"));
     int stereo = 0;
     double worst = 0.0;
     for (const Observation& observation : first.observations) {

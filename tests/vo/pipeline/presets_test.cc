@@ -31,7 +31,33 @@ TEST(Presets, AreValidForEachMethod) {
       EXPECT_EQ(config.frontend.method, method);
     }
   }
-  EXPECT_EQ(PresetConfig("euroc", "superpoint").frontend.superpoint.max_keypoints, 1500);
+  EXPECT_EQ(PresetConfig("euroc", "superpoint").frontend.keypoints.max_keypoints, 1500);
+}
+
+// Published thresholds; ALIKED's keypoints lie between pixels as they are.
+TEST(Presets, FollowFeaturesAndMatcher) {
+  const FrontEndConfig superpoint = PresetConfig("euroc").frontend;
+  EXPECT_EQ(superpoint.features, "superpoint");
+  EXPECT_EQ(superpoint.matcher, "superglue");
+  EXPECT_EQ(superpoint.keypoints.keypoint_threshold, 0.005F);
+  EXPECT_EQ(superpoint.learned.tracking_threshold, 0.2F);
+  EXPECT_EQ(superpoint.refine, "lk");
+  const FrontEndConfig aliked = PresetConfig("driving", "superglue", "aliked").frontend;
+  EXPECT_EQ(aliked.features, "aliked");
+  EXPECT_EQ(aliked.matcher, "lightglue");
+  EXPECT_EQ(aliked.keypoints.keypoint_threshold, 0.2F);
+  EXPECT_EQ(aliked.keypoints.max_keypoints, 500);
+  EXPECT_EQ(aliked.learned.tracking_threshold, 0.1F);
+  EXPECT_EQ(aliked.learned.stereo_threshold, 0.1F);
+  EXPECT_EQ(aliked.refine, "none");
+  EXPECT_EQ(PresetConfig("euroc", "superglue", "aliked", "nn").frontend.matcher, "nn");
+  // Method 1 matches tracks, which lie anywhere.
+  const FrontEndConfig tracks = PresetConfig("euroc", "superpoint", "aliked").frontend;
+  EXPECT_EQ(tracks.keypoints.keypoint_threshold, 0.02F);
+  EXPECT_EQ(tracks.keypoints.max_keypoints, 1500);
+  EXPECT_EQ(tracks.refine, "lk");
+  EXPECT_EQ(MatcherOf(tracks), "");
+  EXPECT_EQ(MatcherOf(aliked), "lightglue");
 }
 
 TEST(Presets, RefuseNamesThatAreNotKnown) {
@@ -43,11 +69,18 @@ TEST(Presets, RefuseNamesThatAreNotKnown) {
     EXPECT_NE(std::string(error.what()).find("euroc, driving"), std::string::npos) << error.what();
   }
   EXPECT_THROW(PresetConfig("euroc", "orb"), Error);
+  EXPECT_THROW(PresetConfig("euroc", "superglue", "orb"), Error);
 }
 
 TEST(FrontEndConfig, RefusesNamesThatAreNotKnown) {
   EXPECT_THROW((FrontEndConfig{.matcher = "flann"}.Validate()), Error);
   EXPECT_THROW((FrontEndConfig{.refine = "yes"}.Validate()), Error);
+  EXPECT_THROW((FrontEndConfig{.features = "aliked", .matcher = "superglue"}.Validate()), Error);
+  EXPECT_THROW((FrontEndConfig{.features = "aliked", .refine = "subpixel"}.Validate()), Error);
+  EXPECT_NO_THROW((FrontEndConfig{.features = "aliked"}.Validate()));
+  // Corners and optical flow have neither.
+  EXPECT_NO_THROW(
+      (FrontEndConfig{.method = "klt", .features = "aliked", .matcher = "superglue"}.Validate()));
   FrontEndConfig config;
   config.networks.precision = "int8";
   EXPECT_THROW(config.Validate(), Error);

@@ -403,5 +403,65 @@ TEST(SimulationImuTest, NoiseHasEurocsSpread) {
   EXPECT_NEAR(std::sqrt(accelerometer / 4000.0), 2.0e-3 * std::sqrt(200.0), 0.026 * 2.83e-2);
 }
 
+TEST(SimulationTest, MoversFillTheirShareAndNothingElseChanges) {
+  const TemporaryFolder folder;
+  SimulationOptions options = Small();
+  options.duration_s = 3.0;
+  options.start_s = 2.0;
+  options.image.noise = 0.0;
+  Simulate(options, folder.path() / "still");
+  options.movers = 2;
+  options.movers_cover = 0.3;
+  Simulate(options, folder.path() / "moving");
+  options.threads = 1;
+  Simulate(options, folder.path() / "again");
+  EXPECT_EQ(AllFiles(folder.path() / "moving"), AllFiles(folder.path() / "again"));
+
+  double most = 0.0;
+  int changed = 0;
+  int strays = 0;
+  for (const auto& entry :
+       std::filesystem::directory_iterator(folder.path() / "moving/mav0/cam0/movers")) {
+    const std::string name = entry.path().filename().string();
+    const auto read = [&](const std::string& set) {
+      return cv::imread((folder.path() / set / "mav0/cam0/data" / name).string(),
+                        cv::IMREAD_GRAYSCALE);
+    };
+    const cv::Mat mask = cv::imread(entry.path().string(), cv::IMREAD_GRAYSCALE);
+    const cv::Mat still = read("still");
+    const cv::Mat moving = read("moving");
+    ASSERT_EQ(mask.size(), still.size()) << name;
+    most = std::max(most, cv::countNonZero(mask) / static_cast<double>(mask.total()));
+    // A pixel's samples reach half a pixel around its centre: beside the mask's edge both may show,
+    // and a box's sharp corner may reach between the centres of pixels.
+    for (int y = 2; y + 2 < mask.rows; ++y) {
+      for (int x = 2; x + 2 < mask.cols; ++x) {
+        const int around = cv::countNonZero(mask(cv::Rect(x - 2, y - 2, 5, 5)));
+        const bool differs = still.at<uchar>(y, x) != moving.at<uchar>(y, x);
+        strays += around == 0 && differs ? 1 : 0;
+        changed += around == 25 && differs ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(most, 0.15);
+  EXPECT_LT(most, 2 * 0.3);  // Both of them at once.
+  EXPECT_GT(changed, 1000);
+  // A face that is seen edge on may be a sliver between centres.
+  EXPECT_LT(strays, 5);
+}
+
+TEST(SimulationTest, MoversAreChecked) {
+  SimulationOptions options;
+  options.movers = -1;
+  EXPECT_NE(ErrorOf(options).find("movers"), std::string::npos);
+  options.movers = 1;
+  options.movers_cover = 0.9;
+  EXPECT_NE(ErrorOf(options).find("mover fills"), std::string::npos);
+  options.movers_cover = 0.5;
+  EXPECT_EQ(ErrorOf(options), "");
+  options.correspondences = true;
+  EXPECT_NE(ErrorOf(options).find("no movers"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace gluevo::simulation

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gluevo/nn/features.h"
+#include "gluevo/nn/gray_image.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/tensor.h"
 #include "gluevo/nn/weights.h"
@@ -18,14 +19,6 @@ namespace kernels {
 struct BlockedMap;
 struct Kernels;
 }  // namespace kernels
-
-/// A gray image that somebody else owns, 8 bits a pixel.
-struct GrayImage {
-  const uint8_t* data = nullptr;
-  int width = 0;              ///< Pixels.
-  int height = 0;             ///< Pixels.
-  std::ptrdiff_t stride = 0;  ///< Bytes from one row to the next.
-};
 
 struct SuperPointOptions {
   /// Keypoints have a score above this, 0 to 1.

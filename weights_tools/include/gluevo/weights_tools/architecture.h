@@ -43,14 +43,38 @@ struct SuperGlueArchitecture {
   bool heads_assumed = true;
 };
 
-using Architecture = std::variant<SuperPointArchitecture, SuperGlueArchitecture>;
+/// Layers and channels of a LightGlue, all of which its tensors tell.
+struct LightGlueArchitecture {
+  int64_t descriptor_size = 0;
+  /// Of the tokens that pass through the layers.
+  int64_t size = 0;
+  int layers = 0;
+  int64_t heads = 0;
+  /// All layers but the last can tell how sure they are.
+  bool adaptive_depth = false;
+};
+
+/// Channels of an ALIKED.
+struct AlikedArchitecture {
+  /// Output channels of the four blocks.
+  std::array<int64_t, 4> widths = {};
+  int64_t descriptor_size = 0;
+  /// Positions that a descriptor is sampled at.
+  int64_t samples = 0;
+};
+
+using Architecture = std::variant<SuperPointArchitecture, SuperGlueArchitecture,
+                                  LightGlueArchitecture, AlikedArchitecture>;
+/// What networks are called in metadata and file names, in the order of Architecture.
+inline constexpr std::array<const char*, 4> kNetworkNames = {"superpoint", "superglue", "lightglue",
+                                                             "aliked"};
 
 /// What network these weights are, from the names and shapes of canonical tensors. Throws Error,
 /// naming file and tensor, unless every tensor of one network is there in a shape that fits the
 /// others, and none besides.
 Architecture ReadArchitecture(const nn::Weights& weights);
 
-/// "superpoint" or "superglue".
+/// One of kNetworkNames.
 std::string NetworkName(const Architecture& architecture);
 
 /// The entries of a converted file's metadata that tell the architecture: "architecture", and

@@ -23,7 +23,7 @@ struct ConvertOptions {
   /// Hugging Face's names, the config.json beside it, else 4 as published. Two that differ are an
   /// Error.
   std::optional<int64_t> heads;
-  /// "superpoint" or "superglue": the one that is wanted of a file that holds both.
+  /// One of kNetworkNames: the one that is wanted of a file that holds several.
   std::optional<std::string> network;
 
   /// Throws Error naming the field that is out of range.
@@ -31,7 +31,7 @@ struct ConvertOptions {
 };
 
 /// Reads weights of any form and dialect, from one file or spread over several (no tensor twice),
-/// and returns the networks among them, at most one SuperPoint and one SuperGlue, in the runtime's
+/// and returns the networks among them, at most one of each kind, in the runtime's
 /// canonical form: published names and shapes, all float. The metadata tell architecture, dialect,
 /// licence, which descriptors fit, the names, form and SHA-256 of the input files and the
 /// converter's version. What was converted before comes back as it is. Throws Error, naming file

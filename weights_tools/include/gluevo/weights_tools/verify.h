@@ -10,7 +10,7 @@ namespace gluevo::weights_tools {
 
 /// One output of two networks, compared.
 struct OutputComparison {
-  std::string network;  ///< "superpoint" or "superglue".
+  std::string network;  ///< One of kNetworkNames.
   std::string output;   ///< "scores", "descriptors", "keypoints", "assignment" or "matches".
   /// Of maps: root of the mean squared difference over that of the first network's values. Of
   /// keypoints and matches: the share that only one of the two has, 0 to 1.
@@ -20,7 +20,7 @@ struct OutputComparison {
   bool agrees() const { return difference <= allowed; }
 };
 
-/// Converts both files, runs the networks on a built-in test image (a SuperGlue on points of it
+/// Converts both files, runs the networks on a built-in test image (matchers on points of it
 /// with made-up descriptors) and compares what they give. Throws Error where a file cannot be
 /// converted, where a network of the first is not in the second, and for networks of different
 /// sizes.

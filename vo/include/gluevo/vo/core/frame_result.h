@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
 
@@ -21,11 +22,26 @@ struct FrameResult {
   /// The frame shows nothing by which it could be located: its pose is guessed from the motion
   /// before, and the frames after it are matched with those before it.
   bool is_predicted = false;
+  /// Whether less than half of what has a say (see VoteOptions) agrees with the pose: it may be
+  /// that of something that moves through the scene.
+  bool is_doubtful = false;
+  /// Whether it was located with next to nothing in the right image: by the left one alone.
+  bool is_left_only = false;
+  /// The motion since the newest key frame before this one (of a predicted pose since the last one
+  /// that was located), which was at `motion_from_ns`: the body's pose in that one's frame, as the
+  /// window has both now. The key frame's pose may have been revised since it was given. At the
+  /// first frame of a segment from itself.
+  Rigid3 keyframe_from_body;
+  int64_t motion_from_ns = 0;
+  PoseCovariance motion_covariance = PoseCovariance::Zero();  ///< How good it is.
+  /// How good world_from_body is, in the frame of the segment's first pose.
+  PoseCovariance path_covariance = PoseCovariance::Zero();
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).
   int stereo = 0;        ///< Of these, seen by both cameras.
   int inliers = 0;       ///< Known points that agree with the pose.
+  int moving = 0;        ///< Tracks that are kept out since they move by themselves.
   /// Of a pose that was found but not taken since nothing moves so fast; 0 where there was none.
   double refused_speed_m_per_s = 0.0;
   int landmarks = 0;                        ///< Landmarks with a depth in the window.

@@ -24,7 +24,7 @@ struct Observation {
 struct TrackedFrame {
   int64_t timestamp_ns = 0;
   std::vector<Observation> observations;
-  std::map<std::string, double> stages_ms;  ///< Time spent by stage ("superpoint", ...).
+  std::map<std::string, double> stages_ms;  ///< Time spent by stage ("match_stereo", ...).
 };
 
 }  // namespace gluevo::vo

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gluevo/vo/core/map_point.h"
+#include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/estimator/pose_prior.h"
@@ -63,6 +64,15 @@ class SlidingWindow {
   /// Bundle adjustment. Throws nothing: where the solver fails the window stays as it was, and the
   /// answer is false.
   bool Optimize();
+  struct Motion {
+    Rigid3 keyframe_from_body;
+    PoseCovariance covariance;
+  };
+  /// The newest frame's pose in the newest key frame before it, as the last Optimize() has it, and
+  /// how well it knows it. Observations are taken to be as good as they fit: the covariance is
+  /// scaled by the mean square of the residuals. Nothing where the newest frame is the only one, or
+  /// where the window does not settle it.
+  std::optional<Motion> MotionSinceKeyframe();
   /// Drops landmarks that fit badly or came to lie behind a camera that sees them; those seen in
   /// the newest frame start again from it.
   void RemoveOutliers();

@@ -42,6 +42,9 @@ class FrontEnd {
 
   /// The estimator has done with the frame that was given last.
   virtual void Accept(const FrameOutcome& /*outcome*/) {}
+
+  /// A frame of the sequence came that shows nothing and was not given to Track().
+  virtual void PassOver() {}
 };
 
 }  // namespace gluevo::vo

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
 #include "gluevo/vo/frontend/frontend.h"
@@ -47,7 +48,11 @@ class KltFrontEnd final : public FrontEnd {
   /// Throws Error for options out of their range.
   KltFrontEnd(const StereoRig& rig, const KltOptions& options);
   TrackedFrame Track(const StereoFrame& frame) override;
+  /// Where frames are missing before this one, which optical flow may not bridge: starts it where
+  /// descriptors say. (Else there is no other way, as in the baseline.)
+  std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override;
+  void PassOver() override { ++frames_since_last_; }
 
  private:
   struct Corner {
@@ -57,7 +62,11 @@ class KltFrontEnd final : public FrontEnd {
     cv::Point2f motion = {};  // pixels a frame
   };
 
-  void Follow();
+  static std::vector<cv::Point2f> PixelsOf(const std::vector<Corner>& corners);
+  /// The tracks of the last frame in this one, and new ones.
+  TrackedFrame FollowLast(const std::vector<cv::Point2f>& guesses);
+  std::vector<cv::Point2f> GuessByMotion() const;
+  void Follow(const std::vector<cv::Point2f>& guesses);
   void RejectByFundamental(const std::vector<Corner>& before);
   void AddCorners(const cv::Mat& image);
   void MatchStereo(TrackedFrame& result) const;
@@ -66,6 +75,8 @@ class KltFrontEnd final : public FrontEnd {
   EpipolarCheck epipolar_;
   KltOptions options_;
   std::vector<Corner> tracks_, last_tracks_;
+  int64_t timestamp_ns_ = 0;
+  bool has_retried_ = false;
   Pyramid left_, right_, last_left_;
   int frames_since_last_ = 1;
   int64_t next_id_ = 0;

@@ -60,7 +60,8 @@ struct LearnedFrontEndOptions {
 };
 
 /// Method 2 of Yoon and Park: keypoints by SuperPoint in both images, matched by SuperGlue from the
-/// previous left image to this one (tracks) and from left to right (stereo).
+/// previous left image to this one (tracks) and from left to right (stereo); other networks may
+/// stand in their places.
 class LearnedFrontEnd : public FrontEnd {
  public:
   /// `fallback` (may be absent) matches left images in Retry(). Throws Error for bad options.
@@ -73,6 +74,7 @@ class LearnedFrontEnd : public FrontEnd {
   /// then matcher and fallback from each key frame, the newest first.
   std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override;
+  void PassOver() override { frames_are_missing_ = true; }
 
  private:
   // A point of the scene as the newest frame sees it.
@@ -139,6 +141,7 @@ class LearnedFrontEnd : public FrontEnd {
   std::map<std::string, double> stages_ms_;
   std::optional<std::deque<Way>> ways_;  // Absent before the first Retry().
   FrameOutcome outcome_;
+  bool frames_are_missing_ = false;  // Between this frame and the next.
 
   // The frames before.
   std::unordered_map<int64_t, TrackedPoint> previous_tracks_;

@@ -1,18 +1,22 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <string>
 
 #include "gluevo/nn/features.h"
 
 namespace gluevo::vo {
 
-/// Finds and describes points of an image. What the front ends know of SuperPoint.
+/// Finds and describes points of an image. What the front ends know of SuperPoint and ALIKED.
 class FeatureExtractor {
  public:
   FeatureExtractor() = default;
   FeatureExtractor(const FeatureExtractor&) = delete;
   FeatureExtractor& operator=(const FeatureExtractor&) = delete;
   virtual ~FeatureExtractor() = default;
+
+  /// What its time is listed under (TrackedFrame::stages_ms).
+  virtual std::string Name() const { return "features"; }
 
   /// `image`: CV_8UC1. Throws Error for images it cannot process.
   virtual nn::Features Extract(const cv::Mat& image) = 0;
@@ -21,7 +25,7 @@ class FeatureExtractor {
   virtual nn::Features Describe(const cv::Mat& image, const nn::Features::Points& pixels) = 0;
 };
 
-/// Matches the points of two images. What the front ends know of SuperGlue.
+/// Matches the points of two images. What the front ends know of SuperGlue and LightGlue.
 class Matcher {
  public:
   Matcher() = default;

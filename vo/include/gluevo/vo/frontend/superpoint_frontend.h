@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/frontend/klt_frontend.h"
@@ -30,17 +31,23 @@ struct SuperPointFrontEndOptions {
   void Validate() const;
 };
 
-/// Method 1 of Yoon and Park: left tracks as the baseline makes them, described by SuperPoint where
-/// they are, and matched to SuperPoint's keypoints of the right image by their nearest neighbours.
+/// Method 1 of Yoon and Park: left tracks as the baseline makes them, described by SuperPoint (or
+/// ALIKED) where they are, and matched to its keypoints of the right image by their nearest
+/// neighbours.
 class SuperPointFrontEnd final : public FrontEnd {
  public:
   /// Throws Error for bad options.
   SuperPointFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureExtractor> extractor,
                      const SuperPointFrontEndOptions& options);
   TrackedFrame Track(const StereoFrame& frame) override;
+  /// As the baseline does.
+  std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override { klt_.Accept(outcome); }
+  void PassOver() override { klt_.PassOver(); }
 
  private:
+  /// Adds the right views.
+  TrackedFrame MatchRight(TrackedFrame result);
   void Refine(const StereoFrame& images, TrackedFrame& frame) const;
 
   StereoRig rig_;
@@ -48,6 +55,7 @@ class SuperPointFrontEnd final : public FrontEnd {
   std::unique_ptr<FeatureExtractor> extractor_;
   SuperPointFrontEndOptions options_;
   KltFrontEnd klt_;
+  StereoFrame frame_;  // The newest.
 };
 
 }  // namespace gluevo::vo

@@ -27,6 +27,9 @@ struct PnpObservation {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();
   bool has_right = false;
   Eigen::Vector2d right = Eigen::Vector2d::Zero();
+  /// How much it counts in the choice of the pose, above 0: samples of RANSAC are drawn, and
+  /// hypotheses scored, in proportion. The refinement of the pose that was chosen knows no votes.
+  double vote = 1.0;
 };
 
 struct PnpOptions {
@@ -59,6 +62,7 @@ struct PnpResult {
   Rigid3 world_from_body;
   std::vector<PnpVerdict> verdicts;  ///< One an observation.
   int inliers = 0;                   ///< All that are not outliers.
+  double vote_share = 0.0;           ///< Votes of the inliers over all votes.
   double position_sigma_m = 0.0;     ///< In the worst direction.
   double rotation_sigma_rad = 0.0;
 };

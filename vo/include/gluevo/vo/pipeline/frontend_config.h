@@ -3,8 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "gluevo/nn/superpoint.h"
+#include "gluevo/nn/lightglue.h"
 #include "gluevo/nn/thread_pool.h"
+#include "gluevo/vo/frontend/freeze_guard.h"
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/frontend/klt_frontend.h"
 #include "gluevo/vo/frontend/learned_frontend.h"
@@ -18,23 +19,35 @@ struct FrontEndConfig {
   /// "superglue" (Method 2 of Yoon and Park: LearnedFrontEnd), "superpoint" (Method 1:
   /// SuperPointFrontEnd) or "klt" (the baseline: KltFrontEnd).
   std::string method = "superglue";
-  /// What matches keypoints in Method 2: "superglue", or "nn" for mutual nearest neighbours.
-  std::string matcher = "superglue";
+  /// What finds and describes keypoints in both: "superpoint" or "aliked", which have other
+  /// thresholds and refinement (PresetConfig knows them).
+  std::string features = "superpoint";
+  /// What matches keypoints in Method 2: "superglue", "lightglue", or "nn" for mutual nearest
+  /// neighbours; empty: what goes with the features (MatcherOf).
+  std::string matcher;
   /// Keypoints below the pixel: "none", "subpixel" (peaks of SuperPoint's scores) or "lk" (optical
   /// flow between matched points). Decides over the `refine` and `subpixel` of the options below.
   std::string refine = "lk";
   NetworkFiles networks;
-  nn::SuperPointOptions superpoint = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
+  KeypointOptions keypoints = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
+  /// Its match_threshold is not used: `learned` has those of tracking and stereo.
+  nn::LightGlueOptions lightglue;
   LearnedFrontEndOptions learned;
   /// Its klt, refine and max_epipolar_error_px are the others'.
   SuperPointFrontEndOptions stereo;
   KltOptions klt;
+  /// Which images are taken for the ones before, given again.
+  FreezeGuardOptions freeze;
 
   /// Throws Error naming the option.
   void Validate() const;
 };
 
-/// The networks that the front end runs; none for klt. Throws Error as LoadNetworks does.
+/// What matches in Method 2, by name; empty for the other methods, which have no matcher.
+std::string MatcherOf(const FrontEndConfig& config);
+
+/// The networks that the front end runs; none for klt. Throws Error as Validate and LoadNetworks
+/// do.
 Networks LoadFrontEndNetworks(const FrontEndConfig& config);
 
 /// The pool must outlive it. Throws Error for options out of their range.

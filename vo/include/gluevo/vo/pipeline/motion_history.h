@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/trajectory.h"
 
 namespace gluevo::vo {
@@ -22,6 +23,9 @@ class MotionHistory {
   /// Where it goes from the last pose by `timestamp_ns` if it moves on and comes to rest within a
   /// second or so. There must be a last pose.
   Rigid3 Predict(int64_t timestamp_ns) const;
+  /// How good the prediction is, of its motion since the last pose: the rig may have gone on as it
+  /// was going, or have been pushed.
+  PoseCovariance PredictionCovariance(int64_t timestamp_ns) const;
 
  private:
   std::optional<StampedPose> last_, last_but_one_;

@@ -13,6 +13,8 @@
 #include "gluevo/vo/geometry/stereo_rig.h"
 #include "gluevo/vo/pipeline/motion_history.h"
 #include "gluevo/vo/pipeline/odometry_config.h"
+#include "gluevo/vo/pipeline/path_uncertainty.h"
+#include "gluevo/vo/pipeline/track_votes.h"
 
 namespace gluevo::vo {
 
@@ -50,6 +52,8 @@ class Odometry {
   bool Retry(TrackedFrame& tracked);
   /// Also says in `result` what it was located by.
   std::optional<FramePose> Locate(const TrackedFrame& frame, FrameResult& result) const;
+  /// What the votes say of the frame's tracks, and what is left for the estimate.
+  void Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result);
   /// Whether a frame that cannot be located is no reason to give up what is known.
   bool MayPassOver(const TrackedFrame& frame) const;
   void PassOver(FrameResult& result);
@@ -57,6 +61,10 @@ class Odometry {
   bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
   FramePose StartSegment(const TrackedFrame& frame);
   void Describe(FrameResult& result) const;
+  /// How good the located pose is ...
+  void Rate(bool is_linked, FrameResult& result);
+  /// ... and one that only the motion before says something of.
+  void RateByMotionBefore(FrameResult& result) const;
   /// Of a motion from the last pose, metres a second.
   double SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const;
   bool IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) const;
@@ -67,6 +75,9 @@ class Odometry {
   OdometryOptions options_;
   std::unique_ptr<SlidingWindow> window_;  // Never absent.
   MotionHistory history_;
+  TrackVotes votes_;
+  PathUncertainty uncertainty_;
+  int64_t keyframe_ns_ = 0;                   // The newest.
   std::optional<int64_t> last_timestamp_ns_;  // Of frames that were passed over, too.
   int segment_ = 0;
   int passed_over_ = 0;  // Frames since the last one that was not.

@@ -20,8 +20,11 @@ std::vector<Preset> Presets();
 /// The preset of a kind of data set, by name: "driving" for KITTI's, else "euroc".
 std::string PresetOf(DatasetFormat format);
 
-/// All options as the preset has them for a method (FrontEndConfig::method). Throws Error listing
-/// the known names for an unknown preset.
-OdometryConfig PresetConfig(const std::string& preset, const std::string& method = "superglue");
+/// All options as the preset has them for a method, features and a matcher (FrontEndConfig; the
+/// matcher that goes with the features where it is empty). Throws Error listing the known names for
+/// an unknown preset, and as OdometryConfig::Validate does.
+OdometryConfig PresetConfig(const std::string& preset, const std::string& method = "superglue",
+                            const std::string& features = "superpoint",
+                            const std::string& matcher = "");
 
 }  // namespace gluevo::vo

@@ -63,6 +63,11 @@ struct SimulationOptions {
   /// (N x 2, where the next left image does), in pixels, -1 -1 where it is outside the image or
   /// hidden.
   bool correspondences = false;
+  /// Boxes that drive or fly through the scene. Writes cam0/movers: TIMESTAMP.png, a mask of each
+  /// left image, 255 where the centre of a pixel shows one of them, else 0.
+  int movers = 0;
+  /// Share of the left image that each of them fills when it is nearest, above 0 and at most 0.5.
+  double movers_cover = 0.25;
   /// 0: as many as the machine has. The files are the same bytes for any number.
   int threads = 0;
   /// Called often, from several threads at once, also before the first progress is made: what it
