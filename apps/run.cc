@@ -28,6 +28,7 @@
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
 #include "run_frames.h"
+#include "run_imu.h"
 #include "run_metrics.h"
 #include "run_outputs.h"
 #include "run_replay.h"
@@ -87,7 +88,8 @@ void CheckOutputs(const RunArguments& arguments) {
   outputs.push_back(arguments.save_matches);
   std::vector<fs::path> inputs = arguments.frames.calibration;
   for (const fs::path& input :
-       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth}) {
+       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
+        fs::path(arguments.frames.imu), arguments.frames.imu_calibration}) {
     inputs.push_back(input);
   }
   for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
@@ -115,6 +117,7 @@ struct Setup {
   vo::Networks networks;
   std::unique_ptr<vo::FrontEnd> frontend;
   bool reads_images = true;
+  bool uses_imu = false;
 };
 
 Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
@@ -129,6 +132,8 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
                          arguments.frames.stride);
   }
   setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  setup.uses_imu =
+      ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
   PrintNotes(setup.dataset);
   if (store) {
     LeaveOutReplayed(*store, setup.dataset);
@@ -197,6 +202,10 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   }
   CheckPlaces(arguments.places);
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
+  if (setup.uses_imu) {
+    odometry.UseImu(setup.dataset.imu->noise);
+    odometry.AddImu(setup.dataset.imu->samples);
+  }
   RunRecords records = MakeRecords(arguments, command, setup);
 
   const EarlyEnd end =
@@ -223,7 +232,8 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .frames_asked = setup.dataset.entries.size(),
                                  .is_interrupted = end.signal != 0,
                                  .failure = end.failure,
-                                 .causes = records.diagnosis.Causes()};
+                                 .causes = records.diagnosis.Causes(),
+                                 .imu = MakeImuRecord(setup.dataset, odometry)};
   AddEvaluations(setup, records, context);
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);

@@ -14,6 +14,7 @@
 #include "options/option_values.h"
 #include "options/preset_options.h"
 #include "report/run_report.h"
+#include "run_imu.h"
 
 namespace gluevo::apps {
 
@@ -39,6 +40,7 @@ class RunMetrics {
     bool is_interrupted = false;      ///< By a signal, before its last frame.
     std::string failure;              ///< What ended the run before its last frame.
     std::vector<std::string> causes;  ///< Why tracking yields little, vo::Causes().
+    std::optional<ImuRecord> imu;     ///< Where an inertial unit is used.
   };
 
   void StartFrame();
@@ -77,6 +79,8 @@ class RunMetrics {
   };
 
   int Resets() const;
+  /// How the inertial unit started, or why it has not; empty without one.
+  std::string InertialSentence(const Context& context) const;
   double MedianMatches(int vo::FrameResult::*count) const;
   double Duration() const;
 

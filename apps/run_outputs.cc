@@ -11,18 +11,33 @@
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
 #include "report/run_report.h"
+#include "run_imu.h"
 
 namespace gluevo::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string TrajectoryHeader(const vo::StereoRig& rig) {
-  return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
+std::string TrajectoryHeader(const vo::StereoRig& rig, bool is_level) {
+  return "pose of the " + rig.body_frame + " in the world, " +
+         (is_level ? "whose z is up by the inertial unit and whose origin and yaw are those of the "
+                     "first pose"
+                   : "which is its frame at the first pose");
 }
 
-void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
-  const vo::Map map = recorder.Build();
+vo::Trajectory Turned(const Eigen::Quaterniond& level_from_world, vo::Trajectory trajectory) {
+  const vo::Rigid3 new_from_old_world = {level_from_world, Eigen::Vector3d::Zero()};
+  for (vo::StampedPose& pose : trajectory) {
+    pose.world_from_body = new_from_old_world * pose.world_from_body;
+  }
+  return trajectory;
+}
+
+void WriteMap(const fs::path& directory, const RunRecords& records) {
+  vo::Map map = records.map->Build();
+  if (const auto level_from_world = LevelFromWorld(records.metrics.frames())) {
+    vo::TurnWorld(*level_from_world, map);
+  }
   vo::WritePly(directory, map);
   vo::WriteColmap(directory / "colmap", map);
 }
@@ -44,10 +59,12 @@ const Format& FormatOf(const RunPlaces& places) {
 void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
                        const RunRecords& records) {
   const Format& format = FormatOf(places);
-  const std::string header = TrajectoryHeader(dataset.rig);
+  const auto level_from_world = LevelFromWorld(records.metrics.frames());
+  const std::string header = TrajectoryHeader(dataset.rig, level_from_world.has_value());
   for (const auto& [name, trajectory] :
        {std::pair{"trajectory", &records.trajectory}, std::pair{"keyframes", &records.keyframes}}) {
-    vo::WriteTrajectory(places.folder / (std::string(name) + format.extension), *trajectory,
+    vo::WriteTrajectory(places.folder / (std::string(name) + format.extension),
+                        level_from_world ? Turned(*level_from_world, *trajectory) : *trajectory,
                         format.format, header);
   }
 }
@@ -114,7 +131,7 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
     attempt([&] { records.matches->Finish(); });
   }
   if (records.map) {
-    attempt([&] { WriteMap(places.map, *records.map); });
+    attempt([&] { WriteMap(places.map, records); });
   }
   return failure;
 }

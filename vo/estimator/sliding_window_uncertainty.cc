@@ -34,18 +34,17 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
   }
   Workspace& workspace = *workspace_;
   const WindowProblem& problem = workspace.problem;
-  WindowState& state = workspace.state;
-  state.world_from_body = problem.world_from_body;
-  state.turn = problem.turn;
-  state.points.resize(problem.points.size());
-  std::transform(problem.points.begin(), problem.points.end(), state.points.begin(),
-                 [](const WindowProblem::Point& point) { return point.position; });
+  workspace.state.Set(problem);
   workspace.equations.Set(problem);
-  workspace.equations.Linearize(state);
+  workspace.equations.Linearize(workspace.state);
   const auto both = workspace.equations.Covariance(static_cast<int>(FrameIndex(keyframe->id)),
                                                    static_cast<int>(frames_.size()) - 1);
   if (!both) {
     return std::nullopt;
+  }
+  if (has_inertia()) {
+    inertial_covariance_ =
+        workspace.equations.CovarianceOfMotion(static_cast<int>(frames_.size()) - 1);
   }
   const Rigid3& world_from_body = frames_.back().world_from_body;
   const Rigid3 keyframe_from_body = keyframe->world_from_body.Inverse() * world_from_body;

@@ -8,6 +8,8 @@ namespace {
 
 constexpr int64_t kLongestStepNs = 100'000'000;
 
+}  // namespace
+
 bool IsCovered(const std::vector<ImuSample>& samples, int64_t begin_ns, int64_t end_ns) {
   const auto after = [&](int64_t time_ns) {
     return std::upper_bound(
@@ -28,8 +30,6 @@ bool IsCovered(const std::vector<ImuSample>& samples, int64_t begin_ns, int64_t 
   }
   return (sample - 1)->timestamp_ns >= end_ns;
 }
-
-}  // namespace
 
 std::vector<FrameInterval> IntegrateIntervals(const Trajectory& frames,
                                               const std::vector<ImuSample>& samples,

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "gluevo/vo/core/imu.h"
@@ -15,6 +16,9 @@ struct FrameInterval {
   std::size_t first = 0;  ///< The earlier frame's index.
   Preintegration measured;
 };
+
+/// Whether samples reach from one time to the other without a gap of more than 0.1 s.
+bool IsCovered(const std::vector<ImuSample>& samples, int64_t begin_ns, int64_t end_ns);
 
 /// The intervals between frames that the samples cover without gaps of more than 0.1 s.
 std::vector<FrameInterval> IntegrateIntervals(const Trajectory& frames,

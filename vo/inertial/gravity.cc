@@ -25,6 +25,20 @@ Eigen::Vector3d TurnedGravity(const Eigen::Vector3d& gravity, const Eigen::Vecto
   return gravity.norm() * turned.normalized();
 }
 
+GravityTangentMatrix GravityEstimate::ByTurn() const {
+  const GravityTangentMatrix tangent = GravityTangent(first_in_world);
+  const double angle = turn.norm();
+  constexpr double kSmall = 1e-6;
+  if (angle < kSmall) {
+    return tangent - first_in_world * turn.transpose();
+  }
+  const double sinc = std::sin(angle) / angle;
+  const Eigen::Vector2d direction = turn / angle;
+  return -sinc * first_in_world * turn.transpose() +
+         tangent * (sinc * Eigen::Matrix2d::Identity() +
+                    (std::cos(angle) - sinc) * direction * direction.transpose());
+}
+
 Eigen::Quaterniond LevelFromWorld(const Eigen::Vector3d& gravity_in_world) {
   const Eigen::Vector3d up = -gravity_in_world.normalized();
   constexpr double kOpposite = -1.0 + 1e-9;

@@ -7,6 +7,22 @@ using inertial_block::kPosition;
 using inertial_block::kRotation;
 using inertial_block::kVelocity;
 
+Preintegration AcrossGap(double duration_s, const ImuBias& bias, const ImuNoise& noise) {
+  constexpr double kUnknown = 1e4;
+  constexpr double kUnknownTurn = 10.0;
+  const double gyroscope = noise.gyroscope_random_walk * noise.gyroscope_random_walk * duration_s;
+  const double accelerometer =
+      noise.accelerometer_random_walk * noise.accelerometer_random_walk * duration_s;
+  Preintegration gap;
+  gap.duration_s = duration_s;
+  gap.bias = bias;
+  gap.covariance.diagonal() << Eigen::Vector3d::Constant(kUnknown * kUnknown),
+      Eigen::Vector3d::Constant(kUnknownTurn * kUnknownTurn),
+      Eigen::Vector3d::Constant(kUnknown * kUnknown), Eigen::Vector3d::Constant(gyroscope),
+      Eigen::Vector3d::Constant(accelerometer);
+  return gap;
+}
+
 Preintegration Join(const Preintegration& first, const Preintegration& second) {
   const InertialMotion& motion = first.motion;
   const InertialMotion rest = second.At(first.bias);

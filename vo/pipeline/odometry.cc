@@ -8,6 +8,7 @@
 #include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/estimator/sliding_window.h"
+#include "odometry_frame_pose.h"
 
 namespace gluevo::vo {
 namespace {
@@ -34,12 +35,6 @@ const OdometryConfig& Checked(const OdometryConfig& config) {
 }
 
 }  // namespace
-
-struct Odometry::FramePose {
-  Rigid3 world_from_body;
-  int inliers = 0;
-  std::vector<std::optional<PnpVerdict>> verdicts;  // One an observation, where it was judged.
-};
 
 Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
     : pool_(std::make_unique<nn::ThreadPool>(Checked(config).threads)),
@@ -70,6 +65,10 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   window_ = std::move(other.window_);
   history_ = other.history_;
   votes_ = std::move(other.votes_);
+  navigation_ = std::move(other.navigation_);
+  expected_ = other.expected_;
+  kept_gravity_ = other.kept_gravity_;
+  contradictions_ = other.contradictions_;
   uncertainty_ = other.uncertainty_;
   keyframe_ns_ = other.keyframe_ns_;
   last_timestamp_ns_ = other.last_timestamp_ns_;
@@ -90,6 +89,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   tracked = Track(frame);
   timer.End("frontend");
 
+  Expect(frame.timestamp_ns);
   std::optional<FramePose> pose = Locate(tracked, result);
   timer.End("estimator");
   while (!pose && Retry(tracked)) {
@@ -97,6 +97,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     pose = Locate(tracked, result);
     timer.End("estimator");
   }
+  HeedContradictions(pose.has_value(), result);
   last_timestamp_ns_ = frame.timestamp_ns;
   if (!pose && MayPassOver(tracked)) {
     PassOver(result);
@@ -106,9 +107,13 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   TrackedFrame at_rest = tracked;
   if (pose) {
     Judge(at_rest, *pose, result);
+  } else {
+    pose = Bridge(tracked);
+    result.is_bridged = pose.has_value();
   }
   const bool is_linked = pose && Estimate(at_rest, *pose);
   if (!is_linked) {
+    result.is_bridged = false;
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
   }
@@ -118,6 +123,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   Describe(result);
   Rate(is_linked, result);
   window_->Slide();
+  FollowInertia(is_linked, result);
   passed_over_ = 0;
   history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
   frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
@@ -141,13 +147,16 @@ bool Odometry::MayPassOver(const TrackedFrame& frame) const {
       static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
   const bool has_something_to_wait_for = window_->CountLandmarks() > 0;
   return CountStereo(frame) < options_.min_stereo ||
-         (has_something_to_wait_for && seconds <= options_.max_predicted_s);
+         (has_something_to_wait_for &&
+          seconds <= (expected_
+                          ? std::min(options_.max_predicted_s, options_.inertial.bridge_after_s)
+                          : options_.max_predicted_s));
 }
 
 void Odometry::PassOver(FrameResult& result) {
   ++passed_over_;
   result.is_predicted = true;
-  result.world_from_body = history_.Predict(result.timestamp_ns);
+  result.world_from_body = Predict(result.timestamp_ns);
   RateByMotionBefore(result);
   Describe(result);
   frontend_->Accept({.is_passed_over = true});
@@ -189,17 +198,17 @@ std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
   }
   votes_.Assign(seen, rig_.cameras[0].width, observations);
   result.tracked = static_cast<int>(observations.size());
-  std::vector<Rigid3> guesses = history_.Guesses();
-  if (passed_over_ > 0) {
-    guesses.push_back(history_.Predict(frame.timestamp_ns));
-  }
   const std::optional<PnpResult> pnp =
-      SolvePnp(window_->rig(), observations, guesses, options_.pnp);
+      SolvePnp(window_->rig(), observations, Guesses(frame.timestamp_ns), options_.pnp);
   if (!pnp) {
     return std::nullopt;
   }
   if (!IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
     result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
+    return std::nullopt;
+  }
+  if (Contradicts(*pnp)) {
+    result.is_refused_by_inertia = true;
     return std::nullopt;
   }
   result.is_doubtful = pnp->vote_share < options_.votes.doubtful_share;
@@ -244,8 +253,8 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
   if (history_.last()) {
     // Where the rig was last seen, or was thought to be since, is the best guess there is; the
     // segment number says that it is one.
-    pose.world_from_body =
-        passed_over_ > 0 ? history_.Predict(frame.timestamp_ns) : history_.last()->world_from_body;
+    pose.world_from_body = passed_over_ > 0 || expected_ ? Predict(frame.timestamp_ns)
+                                                         : history_.last()->world_from_body;
     ++segment_;
   }
   votes_.Clear();
@@ -264,32 +273,6 @@ void Odometry::Describe(FrameResult& result) const {
   result.landmarks = static_cast<int>(window_->CountLandmarks());
   result.stages_ms.insert(result.tracked_frame.stages_ms.begin(),
                           result.tracked_frame.stages_ms.end());
-}
-
-void Odometry::Rate(bool is_linked, FrameResult& result) {
-  if (!is_linked) {
-    uncertainty_.Start();
-    result.motion_from_ns = result.timestamp_ns;
-  } else if (const auto motion = window_->MotionSinceKeyframe()) {
-    result.keyframe_from_body = motion->keyframe_from_body;
-    result.motion_from_ns = keyframe_ns_;
-    result.motion_covariance = motion->covariance;
-    result.path_covariance =
-        uncertainty_.Add(motion->keyframe_from_body, motion->covariance, result.is_keyframe);
-  } else {
-    RateByMotionBefore(result);
-  }
-  if (result.is_keyframe) {
-    keyframe_ns_ = result.timestamp_ns;
-  }
-}
-
-void Odometry::RateByMotionBefore(FrameResult& result) const {
-  const StampedPose& last = *history_.last();
-  result.keyframe_from_body = last.world_from_body.Inverse() * result.world_from_body;
-  result.motion_from_ns = last.timestamp_ns;
-  result.motion_covariance = history_.PredictionCovariance(result.timestamp_ns);
-  result.path_covariance = uncertainty_.After(result.keyframe_from_body, result.motion_covariance);
 }
 
 }  // namespace gluevo::vo

@@ -84,6 +84,10 @@ struct Dataset {
   StereoFrame Read(std::size_t index) const;
 };
 
+/// Makes the place of the inertial unit the rig's body, whose axes stay: `rig`, `groundtruth` and
+/// `imu` follow. Nothing changes where it is that, or there is none.
+void PutBodyAtImu(Dataset& dataset);
+
 /// Throws Error with one line that names the missing or malformed file.
 Dataset OpenDataset(const std::filesystem::path& path, const DatasetOptions& options);
 

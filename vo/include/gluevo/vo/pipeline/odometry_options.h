@@ -2,6 +2,7 @@
 
 #include "gluevo/vo/estimator/sliding_window_options.h"
 #include "gluevo/vo/geometry/pnp.h"
+#include "gluevo/vo/pipeline/inertial_options.h"
 #include "gluevo/vo/pipeline/track_votes.h"
 
 namespace gluevo::vo {
@@ -10,6 +11,7 @@ struct OdometryOptions {
   PnpOptions pnp;
   SlidingWindowOptions window;
   VoteOptions votes;
+  InertialOptions inertial;
   /// Faster motion than this between two frames is a failure, not a motion.
   double max_speed_m_per_s = 60.0;
   double max_turn_deg_per_s = 720.0;

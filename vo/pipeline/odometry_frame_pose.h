@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "gluevo/vo/core/pose_covariance.h"
+#include "gluevo/vo/core/rigid3.h"
+#include "gluevo/vo/geometry/pnp.h"
+#include "gluevo/vo/pipeline/odometry.h"
+
+namespace gluevo::vo {
+
+/// Where a frame enters the window.
+struct Odometry::FramePose {
+  Rigid3 world_from_body;
+  int inliers = 0;
+  std::vector<std::optional<PnpVerdict>> verdicts;  // One an observation, where it was judged.
+};
+
+}  // namespace gluevo::vo
