@@ -89,7 +89,7 @@ void CheckOutputs(const RunArguments& arguments) {
   std::vector<fs::path> inputs = arguments.frames.calibration;
   for (const fs::path& input :
        {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        fs::path(arguments.frames.imu), arguments.frames.imu_calibration}) {
+        MakeDatasetOptions(arguments.frames).imu.value_or(""), arguments.frames.imu_calibration}) {
     inputs.push_back(input);
   }
   for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {

@@ -103,9 +103,8 @@ std::optional<WindowEquations::MotionCovariance> WindowEquations::CovarianceOfMo
   columns_.setZero(reduced_.rows(), kMotion + kGravity);
   columns_.block<kMotion, kMotion>(motion, 0).setIdentity();
   columns_.block<kGravity, kGravity>(gravity, kMotion).setIdentity();
-  const auto lower = reduced_.triangularView<Eigen::Lower>();
-  lower.solveInPlace(columns_);
-  lower.transpose().solveInPlace(columns_);
+  reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);
+  reduced_.transpose().triangularView<Eigen::Upper>().solveInPlace(columns_);
   MotionCovariance covariance;
   covariance << columns_.middleRows<kMotion>(motion), columns_.middleRows<kGravity>(gravity);
   return covariance.allFinite() ? std::optional(covariance) : std::nullopt;

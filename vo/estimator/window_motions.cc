@@ -81,7 +81,7 @@ bool WindowMotions::Solve(const WindowColumns& columns, const Eigen::MatrixXd& h
     if (frame > 0) {
       right.noalias() -= block.with_before * solution.segment<kMotion>(columns.Motion(frame - 1));
     }
-    block.lower.triangularView<Eigen::Lower>().transpose().solveInPlace(right);
+    block.lower.transpose().triangularView<Eigen::Upper>().solveInPlace(right);
     solution.segment<kMotion>(columns.Motion(frame)) = right;
   }
   return true;
