@@ -7,6 +7,7 @@ namespace gluevo::apps {
 
 void AddBenchCommand(CLI::App& app);
 void AddCalibrationCommand(CLI::App& app);
+void AddCodebookCommand(CLI::App& app);
 void AddDoctorCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExperimentCommand(CLI::App& app);

@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
   gluevo::apps::AddMatchCommand(app);
   gluevo::apps::AddEvaluateCommand(app);
   gluevo::apps::AddCalibrationCommand(app);
+  gluevo::apps::AddCodebookCommand(app);
   gluevo::apps::AddDoctorCommand(app);
   gluevo::apps::AddExperimentCommand(app);
   gluevo::apps::AddSimulateCommand(app);

@@ -16,14 +16,17 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
+#include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/mapping/map.h"
+#include "gluevo/vo/pipeline/loop_config.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "interruption.h"
 #include "options/dataset_options.h"
 #include "options/estimator_options.h"
 #include "options/frontend_options.h"
+#include "options/loop_options.h"
 #include "options/network_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
@@ -48,6 +51,7 @@ struct RunArguments {
   fs::path replay;
   bool is_strict = false;
   vo::OdometryConfig config;
+  vo::LoopConfig loops;
 };
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
@@ -77,9 +81,11 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   AddPresetOption(command, arguments.preset);
   AddFrontEndOptions(command, arguments.config);
   AddEstimatorOptions(command, arguments.config.odometry);
+  AddLoopOptions(command, arguments.loops);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
-      "DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run data/V1_01_easy -o "
+      "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "
+      "data/V1_01_easy -o "
       "results/V1_01");
 }
 
@@ -89,7 +95,8 @@ void CheckOutputs(const RunArguments& arguments) {
   std::vector<fs::path> inputs = arguments.frames.calibration;
   for (const fs::path& input :
        {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        MakeDatasetOptions(arguments.frames).imu.value_or(""), arguments.frames.imu_calibration}) {
+        arguments.loops.codebook, MakeDatasetOptions(arguments.frames).imu.value_or(""),
+        arguments.frames.imu_calibration}) {
     inputs.push_back(input);
   }
   for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
@@ -116,14 +123,33 @@ struct Setup {
   OptionOrigins origins;
   vo::Networks networks;
   std::unique_ptr<vo::FrontEnd> frontend;
+  std::optional<vo::LoopRecorder> loops;
   bool reads_images = true;
   bool uses_imu = false;
 };
+
+void MakeFrontEndAndLoops(const RunArguments& arguments, nn::ThreadPool& pool, Setup& setup) {
+  const vo::FrontEndConfig& config = arguments.config.frontend;
+  std::shared_ptr<vo::FeatureExtractor> shared;
+  if (arguments.loops.is_on) {
+    setup.networks = vo::LoadNetworksWithLoops(config);
+    shared = std::make_shared<vo::ExtractorMemo>(
+        vo::MakeFrontEndExtractor(config, setup.networks, pool));
+    setup.loops.emplace(
+        vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, setup.networks, shared, pool));
+  } else {
+    setup.networks = vo::LoadFrontEndNetworks(config);
+  }
+  setup.frontend = vo::MakeFrontEnd(config, setup.dataset.rig, setup.networks, pool, shared);
+}
 
 Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
             nn::ThreadPool& pool) {
   Setup setup;
   setup.method = arguments.config.frontend.method;
+  if (arguments.loops.is_on && !arguments.replay.empty()) {
+    throw Error("--loops on needs the images, which --replay does not read");
+  }
   std::optional<vo::MatchStoreReader> store;
   if (!arguments.replay.empty()) {
     store.emplace(arguments.replay);
@@ -150,9 +176,7 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
   } else {
     setup.features = setup.method == "klt" ? "" : arguments.config.frontend.features;
     setup.matcher = vo::MatcherOf(arguments.config.frontend);
-    setup.networks = vo::LoadFrontEndNetworks(arguments.config.frontend);
-    setup.frontend =
-        vo::MakeFrontEnd(arguments.config.frontend, setup.dataset.rig, setup.networks, pool);
+    MakeFrontEndAndLoops(arguments, pool, setup);
   }
   return setup;
 }
@@ -175,7 +199,7 @@ void AddEvaluations(const Setup& setup, const RunRecords& records, RunMetrics::C
   }
 }
 
-RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, const Setup& setup) {
+RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, Setup& setup) {
   RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt")};
   if (!arguments.save_matches.empty()) {
@@ -186,11 +210,13 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, c
     CheckNamesForMap(setup.dataset);
     records.map.emplace(setup.dataset.rig.cameras, vo::MapOptions());
   }
+  records.loops = std::move(setup.loops);
   return records;
 }
 
 void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
+  arguments.places.has_loops = arguments.loops.is_on;
   CheckOutputs(arguments);
   nn::ThreadPool pool(arguments.config.threads);
   cv::setNumThreads(pool.size());
@@ -235,6 +261,9 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .causes = records.diagnosis.Causes(),
                                  .imu = MakeImuRecord(setup.dataset, odometry)};
   AddEvaluations(setup, records, context);
+  if (records.loops) {
+    context.loops = CloseLoops(*records.loops, setup.dataset.groundtruth);
+  }
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);
   std::cout << records.metrics.Summary(context) << "results: " << arguments.places.folder.string()

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/stopwatch.h"
 #include "interruption.h"
 #include "progress.h"
 
@@ -63,7 +64,12 @@ std::string ProcessFrame(const FrameSource& source, std::size_t index, vo::Odome
     return "left out";
   }
   records.metrics.FrameIsRead();
-  const vo::FrameResult result = odometry.Process(*frame);
+  vo::FrameResult result = odometry.Process(*frame);
+  if (records.loops) {
+    vo::StageTimer timer(result.stages_ms);
+    records.loops->Add(*frame, result, odometry.rig());
+    timer.End("loops");
+  }
   records.metrics.FrameIsDone(result);
   records.trajectory.push_back({result.timestamp_ns, result.world_from_body});
   if (result.is_keyframe) {

@@ -7,6 +7,7 @@
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/io/dataset.h"
+#include "gluevo/vo/mapping/loop_recorder.h"
 #include "gluevo/vo/mapping/map.h"
 #include "gluevo/vo/pipeline/diagnosis.h"
 #include "gluevo/vo/pipeline/odometry.h"
@@ -22,6 +23,7 @@ struct RunRecords {
   vo::Diagnosis diagnosis;
   std::optional<vo::MatchStoreWriter> matches;
   std::optional<vo::MapRecorder> map;
+  std::optional<vo::LoopRecorder> loops;
   vo::Trajectory trajectory;
   vo::Trajectory keyframes;
 };

@@ -216,6 +216,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   if (context.segmented_evaluation) {
     AddSegmentedEvaluation(*context.segmented_evaluation, json);
   }
+  if (context.loops) {
+    AddLoops(*context.loops, json);
+  }
   if (!context.evaluation_warning.empty()) {
     json["evaluation_warning"] = context.evaluation_warning;
   }
@@ -269,6 +272,9 @@ std::string RunMetrics::Summary(const Context& context) const {
          << rpe.translation << (rpe.is_known ? ", " + rpe.rotation : "") << "; correct motions "
          << evaluation->correct_motions << " of " << evaluation->pairs - 1 << "; coverage "
          << std::setprecision(1) << 100.0 * evaluation->coverage << " %\n";
+  }
+  if (context.loops) {
+    text << TextOfLoops(*context.loops);
   }
   return text.str();
 }

@@ -11,6 +11,7 @@
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/pipeline/networks.h"
 #include "gluevo/vo/pipeline/odometry.h"
+#include "loop_metrics.h"
 #include "options/option_values.h"
 #include "options/preset_options.h"
 #include "report/run_report.h"
@@ -34,13 +35,14 @@ class RunMetrics {
     int images_left_out = 0;
     std::optional<vo::Evaluation> evaluation;
     std::optional<vo::SegmentedEvaluation> segmented_evaluation;
-    std::string evaluation_warning;   ///< Why its figures say little; empty where they do.
-    std::string evaluation_failure;   ///< Why there is ground truth but no evaluation.
-    std::size_t frames_asked = 0;     ///< Of the data set; fewer are done where the run ends early.
-    bool is_interrupted = false;      ///< By a signal, before its last frame.
-    std::string failure;              ///< What ended the run before its last frame.
-    std::vector<std::string> causes;  ///< Why tracking yields little, vo::Causes().
-    std::optional<ImuRecord> imu;     ///< Where an inertial unit is used.
+    std::string evaluation_warning;  ///< Why its figures say little; empty where they do.
+    std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.
+    std::size_t frames_asked = 0;    ///< Of the data set; fewer are done where the run ends early.
+    bool is_interrupted = false;     ///< By a signal, before its last frame.
+    std::string failure;             ///< What ended the run before its last frame.
+    std::optional<LoopOutcome> loops;  ///< Where they were looked for.
+    std::vector<std::string> causes;   ///< Why tracking yields little, vo::Causes().
+    std::optional<ImuRecord> imu;      ///< Where an inertial unit is used.
   };
 
   void StartFrame();

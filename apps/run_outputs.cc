@@ -69,6 +69,13 @@ void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
   }
 }
 
+void WriteOptimized(const RunPlaces& places, const vo::Dataset& dataset,
+                    const vo::Trajectory& trajectory) {
+  const Format& format = FormatOf(places);
+  vo::WriteTrajectory(places.folder / (std::string("trajectory_optimized") + format.extension),
+                      trajectory, format.format, TrajectoryHeader(dataset.rig));
+}
+
 void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
                  const RunRecords& records, const RunMetrics::Context& context) {
   RunReport report = records.metrics.Report(context);
@@ -83,9 +90,14 @@ void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std:
 
 std::vector<fs::path> OutputFiles(const RunPlaces& places) {
   const std::string extension = FormatOf(places).extension;
-  return {places.folder / ("trajectory" + extension), places.folder / ("keyframes" + extension),
-          places.folder / "covariance.csv", places.folder / "metrics.json",
-          places.folder / "report.html"};
+  std::vector<fs::path> files = {places.folder / ("trajectory" + extension),
+                                 places.folder / ("keyframes" + extension),
+                                 places.folder / "covariance.csv", places.folder / "metrics.json",
+                                 places.folder / "report.html"};
+  if (places.has_loops) {
+    files.push_back(places.folder / ("trajectory_optimized" + extension));
+  }
+  return files;
 }
 
 std::vector<fs::path> MapFiles(const RunPlaces& places) {
@@ -121,6 +133,9 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
     }
   };
   attempt([&] { WriteTrajectories(places, dataset, records); });
+  if (context.loops) {
+    attempt([&] { WriteOptimized(places, dataset, context.loops->optimized); });
+  }
   attempt([&] {
     WriteCovariances(places.folder / "covariance.csv", records.metrics.frames(),
                      dataset.rig.body_frame);

@@ -24,6 +24,19 @@ function(gluevo_precompile target)
     return()
   endif()
   target_precompile_headers(${target} PRIVATE ${ARGN})
+  gluevo_see_through_precompiled(${target})
+endfunction()
+
+# gluevo_reuse_precompiled(TARGET OTHER): those of OTHER, which is compiled with the same options.
+function(gluevo_reuse_precompiled target other)
+  if(NOT GLUEVO_PRECOMPILE)
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${other})
+  gluevo_see_through_precompiled(${target})
+endfunction()
+
+function(gluevo_see_through_precompiled target)
   # The first is what ccache needs to see through them. The others: behind them g++ 12 takes its own
   # std::string for ours and warns of it (GCC bug 105651 once more).
   target_compile_options(${target} PRIVATE

@@ -10,6 +10,12 @@ bash cmake/install_packages.sh "${packages[@]}" chromium clang-format colmap git
 python=$(bash tests/install_python_tools.sh) || python=python3
 # What another checkout of the repo has compiled need not be compiled again.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
-cmake --preset dev -DGLUEVO_CROSSCHECK_PYTHON="$python" >/dev/null
+# A build from nothing is faster with precompiled headers; one that is worked on shows without them
+# what a file forgot to include.
+from_nothing=()
+if [ ! -e build/dev/CMakeCache.txt ]; then
+  from_nothing=(-DGLUEVO_PRECOMPILE=ON)
+fi
+cmake --preset dev "${from_nothing[@]}" -DGLUEVO_CROSSCHECK_PYTHON="$python" >/dev/null
 cmake --build --preset dev
 GLUEVO_EVO_PYTHON=$python ctest --preset dev --output-on-failure -j "$(nproc)" "$@"

@@ -56,17 +56,6 @@ float* GrayPlane(const GrayImage& image, const AlikedMaps& maps, Workspace& work
 
 }  // namespace
 
-kernels::MatMul<float> AlikedNetwork::Product(const Linear<float>& linear, const float* rows,
-                                              int64_t block_stride, int64_t count) const {
-  return {.a0 = rows,
-          .a0_block_stride = block_stride,
-          .a0_blocks = linear.blocks0,
-          .b = linear.weights,
-          .bias = linear.bias.data(),
-          .columns = linear.columns,
-          .rows = count};
-}
-
 void AlikedNetwork::SeluRegion(const BlockedMap& map, const Region& region) const {
   for (int64_t block = 0; block < map.blocks; ++block) {
     for (int64_t y = region.row; y < region.row_end; ++y) {

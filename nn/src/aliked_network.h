@@ -64,8 +64,6 @@ class AlikedNetwork {
   struct DescriptorScratch;
   struct PointBand;
 
-  kernels::MatMul<float> Product(const Linear<float>& linear, const float* rows,
-                                 int64_t block_stride, int64_t count) const;
   void SeluRegion(const kernels::BlockedMap& map, const Region& region) const;
   // From a row of a block's output to its features, where the map has them, and scores.
   void ProjectRow(int level, int64_t y, int64_t x, int64_t count, const AlikedMaps& maps,

@@ -28,20 +28,6 @@ void SetOutput(kernels::Bf16Pair* out, int64_t block_stride,
 }  // namespace
 
 template <typename Element>
-template <typename Operand>
-kernels::MatMul<Operand> GraphNetwork<Element>::Product(const Linear<Operand>& linear,
-                                                        const Operand* rows, int64_t block_stride,
-                                                        int64_t count) const {
-  return {.a0 = rows,
-          .a0_block_stride = block_stride,
-          .a0_blocks = linear.blocks0,
-          .b = linear.weights,
-          .bias = linear.bias.data(),
-          .columns = linear.columns,
-          .rows = count};
-}
-
-template <typename Element>
 void GraphNetwork<Element>::Encode(const Features& features, const Band& band, Image& image,
                                    Scratch& scratch) const {
   const int64_t stride = band.rows * kBlock;

@@ -45,10 +45,6 @@ class GraphNetwork {
   struct Scratch;
   struct Shared;
 
-  template <typename Operand>
-  kernels::MatMul<Operand> Product(const Linear<Operand>& linear, const Operand* rows,
-                                   int64_t block_stride, int64_t count) const;
-
   // One band's way through a step: step 0 encodes, step i + 1 is layer i, and the last one
   // projects. Waits for those bands of the steps before whose results it reads.
   void RunStep(int64_t step, int64_t index, Shared& shared, Scratch& scratch) const;

@@ -39,17 +39,6 @@ LightGlueImage::LightGlueImage(const Features& features_in, const LightGlueLayer
   }
 }
 
-kernels::MatMul<float> LightGlueNetwork::Product(const Linear<float>& linear, const float* rows,
-                                                 int64_t block_stride, int64_t count) const {
-  return {.a0 = rows,
-          .a0_block_stride = block_stride,
-          .a0_blocks = linear.blocks0,
-          .b = linear.weights,
-          .bias = linear.bias.data(),
-          .columns = linear.columns,
-          .rows = count};
-}
-
 void LightGlueNetwork::Encode(const Band& band, LightGlueImage& image,
                               const Scratch& scratch) const {
   const Features& features = *image.features;

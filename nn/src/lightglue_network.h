@@ -71,9 +71,6 @@ class LightGlueNetwork {
   using Layer = LightGlueLayers::Layer;
   struct Scratch;
 
-  kernels::MatMul<float> Product(const Linear<float>& linear, const float* rows,
-                                 int64_t block_stride, int64_t count) const;
-
   // Tokens and angles.
   void Encode(const Band& band, LightGlueImage& image, const Scratch& scratch) const;
   void ProjectSelf(const Layer& layer, const Band& band, LightGlueImage& image,

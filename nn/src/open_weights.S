@@ -7,6 +7,8 @@
     .globl gluevo_open_superpoint_end
     .globl gluevo_open_superglue_begin
     .globl gluevo_open_superglue_end
+    .globl gluevo_open_places_begin
+    .globl gluevo_open_places_end
 
     .balign 64
 gluevo_open_superpoint_begin:
@@ -17,5 +19,10 @@ gluevo_open_superpoint_end:
 gluevo_open_superglue_begin:
     .incbin GLUEVO_OPEN_SUPERGLUE
 gluevo_open_superglue_end:
+
+    .balign 64
+gluevo_open_places_begin:
+    .incbin GLUEVO_OPEN_PLACES
+gluevo_open_places_end:
 
     .section .note.GNU-stack, "", %progbits

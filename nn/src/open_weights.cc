@@ -6,6 +6,8 @@ extern const unsigned char gluevo_open_superpoint_begin[];  // NOLINT(readabilit
 extern const unsigned char gluevo_open_superpoint_end[];    // NOLINT(readability-identifier-naming)
 extern const unsigned char gluevo_open_superglue_begin[];   // NOLINT(readability-identifier-naming)
 extern const unsigned char gluevo_open_superglue_end[];     // NOLINT(readability-identifier-naming)
+extern const unsigned char gluevo_open_places_begin[];      // NOLINT(readability-identifier-naming)
+extern const unsigned char gluevo_open_places_end[];        // NOLINT(readability-identifier-naming)
 }
 
 namespace gluevo::nn {
@@ -22,6 +24,12 @@ Weights OpenSuperGlueWeights() {
       gluevo_open_superglue_begin,
       static_cast<std::size_t>(gluevo_open_superglue_end - gluevo_open_superglue_begin),
       "built-in superglue");
+}
+
+Weights OpenPlaceCodebook() {
+  return ParseWeights(gluevo_open_places_begin,
+                      static_cast<std::size_t>(gluevo_open_places_end - gluevo_open_places_begin),
+                      "built-in place codebook");
 }
 
 }  // namespace gluevo::nn

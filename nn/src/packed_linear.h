@@ -25,6 +25,20 @@ struct Linear {
   Tensor<float> bias;
 };
 
+/// The product of `count` rows, whose blocks of channels lie `block_stride` elements apart; where
+/// its result goes is for the caller to say.
+template <typename Operand>
+kernels::MatMul<Operand> Product(const Linear<Operand>& linear, const Operand* rows,
+                                 int64_t block_stride, int64_t count) {
+  return {.a0 = rows,
+          .a0_block_stride = block_stride,
+          .a0_blocks = linear.blocks0,
+          .b = linear.weights,
+          .bias = linear.bias.data(),
+          .columns = linear.columns,
+          .rows = count};
+}
+
 /// Packs products one after the other into memory that has room for them. Weights that are used one
 /// after the other lie so in memory: what a product fetches ahead beyond its last columns is the
 /// beginning of the next product's.

@@ -245,9 +245,17 @@ TEST_F(EvaluateTest, ReadsPipesOnce) {
 TEST_F(EvaluateTest, NumbersOfFramesGoBeforeRows) {
   const std::string rows[] = {"1 0 0 1 0 1 0 1 0 0 1 0\n", "1 0 0 1 0 1 0 -1 0 0 1 0\n",
                               "1 0 0 -1 0 1 0 -1 0 0 1 0\n", "1 0 0 -1 0 1 0 1 0 0 1 0\n"};
-  const std::string all =
-      Write("all.txt", "5 " + rows[0] + "6 " + rows[1] + "7 " + rows[2] + "8 " + rows[3]);
-  const std::string fewer = Write("fewer.txt", "6 " + rows[1] + "7 " + rows[2] + "8 " + rows[3]);
+  std::string last_three;
+  for (int i = 1; i < 4; ++i) {
+    last_three += std::to_string(5 + i);
+    last_three += " ";
+    last_three += rows[i];
+  }
+  std::string four = "5 ";
+  four += rows[0];
+  four += last_three;
+  const std::string all = Write("all.txt", four);
+  const std::string fewer = Write("fewer.txt", last_three);
   const Outcome outcome = Run("evaluate " + fewer + " " + all + " --json");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["pairs"], 3);
@@ -255,8 +263,8 @@ TEST_F(EvaluateTest, NumbersOfFramesGoBeforeRows) {
 
   // As many rows, but whether they are of the same frames nothing tells.
   const std::string plain = Write("plain.txt", kTruthKitti);
-  for (const std::string& files : {all + " " + plain, plain + " " + all}) {
-    const Outcome mixed = Run("evaluate " + files);
+  for (const auto& [first, second] : {std::pair(all, plain), std::pair(plain, all)}) {
+    const Outcome mixed = Run("evaluate " + first + " " + second);
     EXPECT_EQ(mixed.exit_code, 1);
     EXPECT_NE(mixed.error.find("all.txt has the numbers of its frames"), std::string::npos)
         << mixed.error;

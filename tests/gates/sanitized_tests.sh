@@ -10,7 +10,7 @@ shift
 
 bash tests/gates/install.sh
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1
-cmake --preset "$preset" >/dev/null
+cmake --preset "$preset" -DGLUEVO_PRECOMPILE=ON >/dev/null
 programs=$(ninja -C "build/$preset" -t targets all | sed -nE 's/^([a-z0-9_]+_test): phony$/\1/p' |
   grep -v '^cmake_object_order_' | sort -u)
 declare -A filters

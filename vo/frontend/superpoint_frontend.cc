@@ -55,6 +55,7 @@ TrackedFrame SuperPointFrontEnd::MatchRight(TrackedFrame result) {
   const auto count = static_cast<Eigen::Index>(result.observations.size());
   nn::Features::Points pixels(count, 2);
   std::vector<Eigen::Vector2d> left_rays;
+  left_rays.reserve(result.observations.size());
   for (Eigen::Index i = 0; i < count; ++i) {
     pixels.row(i) = result.observations[i].left_pixel.cast<float>().transpose();
     left_rays.push_back(result.observations[i].left);
@@ -64,6 +65,7 @@ TrackedFrame SuperPointFrontEnd::MatchRight(TrackedFrame result) {
   result.stages_ms[extractor_->Name()] = watch.Lap();
 
   std::vector<Eigen::Vector2d> right_rays;
+  right_rays.reserve(right.size());
   for (int i = 0; i < right.size(); ++i) {
     right_rays.push_back(
         rig_.cameras[1].Undistort(right.keypoints.row(i).transpose().cast<double>()));

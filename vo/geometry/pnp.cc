@@ -156,6 +156,14 @@ std::vector<Rigid3> SolveP3P(const StereoRig& rig, std::span<const PnpObservatio
   return poses;
 }
 
+// A PoseTangent moves the position in the world, a pose's error in the body's axes.
+PoseCovariance InAxesOfBody(const Eigen::Matrix<double, 6, 6>& covariance,
+                            const Rigid3& world_from_body) {
+  Eigen::Matrix<double, 6, 6> turn = Eigen::Matrix<double, 6, 6>::Identity();
+  turn.topLeftCorner<3, 3>() = world_from_body.rotation.toRotationMatrix().transpose();
+  return turn * covariance * turn.transpose();
+}
+
 // Draws until a sample of three inliers has been seen with the asked probability.
 int IterationsNeeded(double inlier_share, const PnpOptions& options) {
   const double all_inliers = std::pow(inlier_share, 3);
@@ -228,7 +236,8 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
                    best.inliers,
                    best.votes / ballot.all(),
                    WorstSigma(covariance.topLeftCorner<3, 3>()),
-                   WorstSigma(covariance.bottomRightCorner<3, 3>())};
+                   WorstSigma(covariance.bottomRightCorner<3, 3>()),
+                   InAxesOfBody(covariance, best.world_from_body)};
   const bool certain = result.position_sigma_m <= options.max_position_sigma_m &&
                        result.rotation_sigma_rad <= options.max_rotation_sigma_rad;
   if (!certain || result.inliers < options.min_inliers) {

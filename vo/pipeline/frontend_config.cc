@@ -4,19 +4,24 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/network_matcher.h"
+#include "gluevo/vo/frontend/network_memo.h"
 #include "name_check.h"
 
 namespace gluevo::vo {
 namespace {
 
 std::unique_ptr<FrontEnd> MakeUnguarded(const FrontEndConfig& config, const StereoRig& rig,
-                                        const Networks& networks, nn::ThreadPool& pool) {
+                                        const Networks& networks, nn::ThreadPool& pool,
+                                        std::shared_ptr<FeatureExtractor> shared) {
   if (config.method == "klt") {
     return std::make_unique<KltFrontEnd>(rig, config.klt);
   }
-  KeypointOptions keypoints = config.keypoints;
-  keypoints.subpixel = config.refine == "subpixel";
-  std::unique_ptr<FeatureExtractor> extractor = MakeExtractor(networks, keypoints, pool);
+  std::unique_ptr<FeatureExtractor> extractor;
+  if (shared != nullptr) {
+    extractor = std::make_unique<SharedExtractor>(std::move(shared));
+  } else {
+    extractor = MakeFrontEndExtractor(config, networks, pool);
+  }
   if (config.method == "superpoint") {
     SuperPointFrontEndOptions options = config.stereo;
     options.klt = config.klt;
@@ -64,10 +69,20 @@ Networks LoadFrontEndNetworks(const FrontEndConfig& config) {
   return LoadNetworks(config.networks, config.features, MatcherOf(config));
 }
 
+std::unique_ptr<FeatureExtractor> MakeFrontEndExtractor(const FrontEndConfig& config,
+                                                        const Networks& networks,
+                                                        nn::ThreadPool& pool) {
+  KeypointOptions keypoints = config.keypoints;
+  keypoints.subpixel = config.refine == "subpixel";
+  return MakeExtractor(networks, keypoints, pool);
+}
+
 std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const StereoRig& rig,
-                                       const Networks& networks, nn::ThreadPool& pool) {
+                                       const Networks& networks, nn::ThreadPool& pool,
+                                       std::shared_ptr<FeatureExtractor> extractor) {
   config.Validate();
-  return std::make_unique<FreezeGuard>(MakeUnguarded(config, rig, networks, pool), config.freeze);
+  return std::make_unique<FreezeGuard>(
+      MakeUnguarded(config, rig, networks, pool, std::move(extractor)), config.freeze);
 }
 
 }  // namespace gluevo::vo

@@ -59,7 +59,7 @@ RunRecord SomeRecord() {
 
 std::filesystem::path Store(const TemporaryFolder& folder, const StereoRig& rig,
                             const std::vector<TrackedFrame>& frames) {
-  const auto path = folder.path() / "matches.h5";
+  auto path = folder.path() / "matches.h5";
   MatchStoreWriter writer(path, rig, SomeRecord());
   for (const TrackedFrame& frame : frames) {
     writer.Add(frame);

@@ -70,7 +70,8 @@ class PatternExtractor : public FeatureExtractor {
   nn::Features Extract(const cv::Mat& image) override {
     nn::Features::Points pixels(64 * 48 / 64, 2);
     for (int i = 0; i < pixels.rows(); ++i) {
-      pixels.row(i) << static_cast<float>(4 + i % 8 * 8), static_cast<float>(4 + i / 8 * 8);
+      const int row = i / 8;
+      pixels.row(i) << static_cast<float>(4 + i % 8 * 8), static_cast<float>(4 + row * 8);
     }
     return At(image, pixels, shift_);
   }

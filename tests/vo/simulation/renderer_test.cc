@@ -31,6 +31,7 @@ std::vector<cv::Point2d> ProjectWithOpenCv(const vo::StereoRig& rig, int camera,
   const cv::Matx33d matrix(model.fx, 0, model.cx, 0, model.fy, model.cy, 0, 0, 1);
   const std::vector<double> distortion(model.coefficients.begin(), model.coefficients.end());
   std::vector<cv::Point3d> points;
+  points.reserve(points_in_world.size());
   for (const Eigen::Vector3d& point : points_in_world) {
     points.emplace_back(point.x(), point.y(), point.z());
   }
@@ -142,8 +143,12 @@ class HallTest : public ::testing::Test {
         world_(MakeRoom(7, PlanRoom(PathPoints(), 2.6), PathPoints(), RoomStyle{0.02, 0.02}, 2)) {}
 
   std::vector<Eigen::Vector3d> PathPoints() const {
+    constexpr int kSteps = 420;
     std::vector<Eigen::Vector3d> points;
-    for (double time = 0.0; time < 21.0; time += 0.05) points.push_back(path_(time).translation);
+    points.reserve(kSteps);
+    for (int step = 0; step < kSteps; ++step) {
+      points.push_back(path_(0.05 * step).translation);
+    }
     return points;
   }
 

@@ -45,5 +45,7 @@ void WriteSafetensors(const std::filesystem::path& path, const Weights& weights)
 /// The project's own open weights, carried inside the library (see nn/open_weights/README.md).
 Weights OpenSuperPointWeights();
 Weights OpenSuperGlueWeights();
+/// Typical descriptors of the built-in SuperPoint, for place recognition.
+Weights OpenPlaceCodebook();
 
 }  // namespace gluevo::nn

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
 
@@ -65,6 +66,7 @@ struct PnpResult {
   double vote_share = 0.0;           ///< Votes of the inliers over all votes.
   double position_sigma_m = 0.0;     ///< In the worst direction.
   double rotation_sigma_rad = 0.0;
+  PoseCovariance covariance = PoseCovariance::Zero();  ///< Of world_from_body, from the inliers.
 };
 
 /// Pose of a stereo rig from points whose depth is uncertain. Hypotheses are P3P solutions of the

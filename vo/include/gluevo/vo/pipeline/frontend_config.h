@@ -50,8 +50,16 @@ std::string MatcherOf(const FrontEndConfig& config);
 /// do.
 Networks LoadFrontEndNetworks(const FrontEndConfig& config);
 
-/// The pool must outlive it. Throws Error for options out of their range.
+/// What finds the keypoints in the front ends that have networks. The pool must outlive it. Throws
+/// Error for options out of their range.
+std::unique_ptr<FeatureExtractor> MakeFrontEndExtractor(const FrontEndConfig& config,
+                                                        const Networks& networks,
+                                                        nn::ThreadPool& pool);
+
+/// The pool must outlive it. `extractor`: one that others ask, too; none: one of its own. Throws
+/// Error for options out of their range.
 std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const StereoRig& rig,
-                                       const Networks& networks, nn::ThreadPool& pool);
+                                       const Networks& networks, nn::ThreadPool& pool,
+                                       std::shared_ptr<FeatureExtractor> extractor = nullptr);
 
 }  // namespace gluevo::vo

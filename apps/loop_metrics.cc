@@ -1,0 +1,97 @@
+#include "loop_metrics.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "evaluation_json.h"
+#include "gluevo/nn/error.h"
+
+namespace gluevo::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json ToJson(const vo::LoopAttempt& attempt) {
+  Json json = {{"query_s", static_cast<double>(attempt.query_ns) * 1e-9},
+               {"candidate_s", static_cast<double>(attempt.candidate_ns) * 1e-9},
+               {"similarity", attempt.similarity},
+               {"matches", attempt.matches},
+               {"inliers", attempt.inliers}};
+  if (!attempt.is_closed) {
+    json["reason"] = attempt.reason;
+  }
+  return json;
+}
+
+// The oldest one of those that are equally large.
+vo::Trajectory LargestPart(const vo::Trajectory& trajectory, const std::vector<int>& parts) {
+  std::map<int, vo::Trajectory> poses;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    poses[parts[i]].push_back(trajectory[i]);
+  }
+  return std::max_element(
+             poses.begin(), poses.end(),
+             [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
+      ->second;
+}
+
+}  // namespace
+
+LoopOutcome CloseLoops(const vo::LoopRecorder& recorder,
+                       const std::optional<vo::Trajectory>& groundtruth) {
+  LoopOutcome outcome{.attempts = recorder.closer().attempts(),
+                      .closed = static_cast<int>(recorder.closer().loops().size()),
+                      .optimized = recorder.Optimized()};
+  std::set<int> segments;
+  for (const vo::LoopKeyframe& keyframe : recorder.closer().keyframes()) {
+    segments.insert(keyframe.segment);
+  }
+  const std::vector<int> linked = recorder.LinkedSegments();
+  outcome.segments_joined = static_cast<int>(segments.size()) -
+                            static_cast<int>(std::set<int>(linked.begin(), linked.end()).size());
+  const vo::Trajectory part = LargestPart(outcome.optimized, linked);
+  outcome.linked_frames = part.size();
+  if (groundtruth) {
+    try {
+      outcome.evaluation = vo::Evaluate(part, *groundtruth, {});
+    } catch (const Error&) {
+      // The run's own evaluation has failed of the same, and says so.
+      outcome.evaluation.reset();
+    }
+  }
+  return outcome;
+}
+
+void AddLoops(const LoopOutcome& loops, Json& json) {
+  json["loops"] = Json::array();
+  json["loops_rejected"] = Json::array();
+  for (const vo::LoopAttempt& attempt : loops.attempts) {
+    json[attempt.is_closed ? "loops" : "loops_rejected"].push_back(ToJson(attempt));
+  }
+  json["segments_joined"] = loops.segments_joined;
+  json["linked_frames"] = loops.linked_frames;
+  if (loops.evaluation) {
+    json["optimized"] = Json::object();
+    AddEvaluation(*loops.evaluation, json["optimized"]);
+  }
+}
+
+std::string TextOfLoops(const LoopOutcome& loops) {
+  std::ostringstream text;
+  text << "loops: " << loops.closed << " closed of " << loops.attempts.size() << " tried";
+  if (loops.segments_joined > 0) {
+    text << ", " << loops.segments_joined << " segments joined (" << loops.linked_frames
+         << " frames hang together)";
+  }
+  if (loops.evaluation) {
+    text << std::fixed << std::setprecision(4) << "; ATE with loops " << loops.evaluation->ate_se3_m
+         << " m (SE3)";
+  }
+  text << '\n';
+  return text.str();
+}
+
+}  // namespace gluevo::apps

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/evaluation/evaluation.h"
+#include "gluevo/vo/mapping/loop_recorder.h"
+
+namespace gluevo::apps {
+
+/// What became of a run's loops.
+struct LoopOutcome {
+  std::vector<vo::LoopAttempt> attempts;
+  int closed = 0;
+  int segments_joined = 0;  ///< That hang together with an older one.
+  vo::Trajectory optimized;
+  /// Of the optimised poses of the largest part that odometry and loops hold together, where there
+  /// is truth.
+  std::optional<vo::Evaluation> evaluation;
+  std::size_t linked_frames = 0;  ///< In that part.
+};
+
+/// Solves the pose graph.
+LoopOutcome CloseLoops(const vo::LoopRecorder& recorder,
+                       const std::optional<vo::Trajectory>& groundtruth);
+
+/// Adds "loops", "loops_rejected", "segments_joined" and "optimized".
+void AddLoops(const LoopOutcome& loops, nlohmann::ordered_json& json);
+/// A line or two for people.
+std::string TextOfLoops(const LoopOutcome& loops);
+
+}  // namespace gluevo::apps

@@ -1,0 +1,86 @@
+// gluevo run --loops and gluevo codebook as a user runs them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "apps/command_test.h"
+
+namespace gluevo::apps {
+namespace {
+
+class LoopsTest : public CommandTest {
+ protected:
+  std::string Flight(const std::string& duration_s) const {
+    std::string path = Path("flight" + duration_s);
+    const Outcome made = Run("simulate -o " + path + " --path hall_loop --duration " + duration_s +
+                             " --rate 4 --width 320 --height 240");
+    EXPECT_EQ(made.exit_code, 0) << made.error;
+    return path;
+  }
+  nlohmann::json Metrics(const std::string& run) const {
+    std::ifstream file(fs::path(Path(run)) / "metrics.json");
+    return nlohmann::json::parse(file);
+  }
+};
+
+TEST_F(LoopsTest, AFlightOfALapAndAHalfIsClosed) {
+  // A lap takes 20 s.
+  const std::string flight = Flight("30");
+  const std::string run = "run " + flight + " --method klt -o ";
+  ASSERT_EQ(Run(run + Path("without")).exit_code, 0);
+  EXPECT_FALSE(fs::exists(fs::path(Path("without")) / "trajectory_optimized.tum"));
+  EXPECT_FALSE(Metrics("without").contains("loops"));
+
+  const Outcome with = Run(run + Path("with") + " --loops on");
+  ASSERT_EQ(with.exit_code, 0) << with.error;
+  EXPECT_NE(with.out.find("loops: "), std::string::npos) << with.out;
+  const nlohmann::json metrics = Metrics("with");
+  EXPECT_GE(metrics["loops"].size(), 3U);
+  EXPECT_EQ(metrics["segments_joined"], 0);
+  EXPECT_LT(metrics["optimized"]["ate_se3_m"], metrics["ate_se3_m"]);
+  // What is without is not changed.
+  EXPECT_EQ(Contents(fs::path(Path("with")) / "trajectory.tum"),
+            Contents(fs::path(Path("without")) / "trajectory.tum"));
+  const auto lines = [](const std::string& text) {
+    return std::count(text.begin(), text.end(), '\n');
+  };
+  EXPECT_EQ(lines(Contents(fs::path(Path("with")) / "trajectory_optimized.tum")),
+            lines(Contents(fs::path(Path("with")) / "trajectory.tum")));
+}
+
+TEST_F(LoopsTest, PlacesAreToldByTheWeightsTheyWereMadeWith) {
+  const std::string flight = Flight("1");
+  const std::string codebook = Path("places.safetensors");
+  const Outcome made = Run("codebook " + flight + " --centres 4 -o " + codebook);
+  ASSERT_EQ(made.exit_code, 0) << made.error;
+  EXPECT_NE(made.out.find("4 centres"), std::string::npos) << made.out;
+  const std::string run = "run " + flight + " --method klt --loops on -o " + Path("out");
+  EXPECT_EQ(Run(run + " --codebook " + codebook).exit_code, 0);
+
+  const Outcome missing = Run(run + " --codebook " + Path("none"));
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.error.find("none"), std::string::npos) << missing.error;
+  // Weights of another network.
+  const Outcome other = Run(run + " --codebook " GLUEVO_SOURCE_DIR
+                                  "/tests/data/weights/golden_superpoint_magic_leap.safetensors");
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_NE(other.error.find("centres"), std::string::npos) << other.error;
+}
+
+TEST_F(LoopsTest, ReplayHasNoImages) {
+  const std::string flight = Flight("1");
+  const std::string matches = Path("matches.h5");
+  ASSERT_EQ(Run("run " + flight + " --method klt -o " + Path("a") + " --save-matches " + matches)
+                .exit_code,
+            0);
+  const Outcome outcome =
+      Run("run " + flight + " -o " + Path("b") + " --loops on --replay " + matches);
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.error.find("--loops on needs the images"), std::string::npos) << outcome.error;
+}
+
+}  // namespace
+}  // namespace gluevo::apps

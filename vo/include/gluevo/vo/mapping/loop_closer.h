@@ -1,0 +1,94 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "gluevo/vo/frontend/matcher.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/mapping/loop_consistency.h"
+#include "gluevo/vo/mapping/loop_keyframe.h"
+#include "gluevo/vo/mapping/loop_verification.h"
+#include "gluevo/vo/mapping/place_codebook.h"
+
+namespace gluevo::vo {
+
+struct LoopOptions {
+  /// A key frame is kept at most this often, seconds.
+  double interval_s = 0.5;
+  /// Key frames of the same segment that are younger than this are no places to come back to:
+  /// odometry knows better, seconds.
+  double min_age_s = 10.0;
+  /// A candidate is at least so like the query, as the cosine of their place descriptors, and ...
+  double min_similarity = 0.1;
+  /// ... at least this share of what the query's neighbour in time is.
+  double min_similarity_share = 0.4;
+  /// So many are verified, the most similar first, until one is believed; where tracking was lost,
+  /// the key frame before that, too.
+  int max_candidates = 3;
+  LoopVerificationOptions verification;
+  LoopConsistencyOptions consistency;
+
+  /// Throws Error naming the option.
+  void Validate() const;
+};
+
+/// A pair of key frames that was taken for the same place, and what became of it.
+struct LoopAttempt {
+  int64_t query_ns = 0;
+  int64_t candidate_ns = 0;
+  double similarity = 0.0;
+  int matches = 0;
+  int inliers = 0;
+  bool is_closed = false;
+  std::string reason;  ///< Why it is not.
+};
+
+/// Finds the places that a run comes back to, and the poses that fit them. Everything by counts and
+/// nothing by time: the same key frames give the same loops.
+class LoopCloser {
+ public:
+  /// Throws Error for options out of their range.
+  LoopCloser(const StereoRig& rig, PlaceCodebook codebook, std::shared_ptr<Matcher> matcher,
+             const LoopOptions& options);
+
+  /// The next key frame, in order of time. Throws Error for features that the codebook does not
+  /// know.
+  void Add(LoopKeyframe keyframe);
+
+  const std::vector<LoopKeyframe>& keyframes() const { return keyframes_; }
+  /// Those that the codebook proposed, in the order in which they were tried.
+  const std::vector<LoopAttempt>& attempts() const { return attempts_; }
+  /// Loops that are believed.
+  const std::vector<Loop>& loops() const { return loops_; }
+
+  /// Of each key frame the pose that fits odometry and loops: world_from_body, the world being that
+  /// of the oldest segment that loops link with the key frame's.
+  std::vector<Rigid3> Optimized() const;
+
+ private:
+  struct Candidate {
+    std::size_t keyframe = 0;
+    double similarity = 0.0;
+  };
+
+  std::vector<Candidate> FindCandidates() const;
+  void Verify(const std::vector<Candidate>& candidates);
+  void Trust(const Loop& loop, std::size_t attempt);
+
+  StereoRig rig_;
+  PlaceCodebook codebook_;
+  std::shared_ptr<Matcher> matcher_;
+  LoopOptions options_;
+  std::vector<LoopKeyframe> keyframes_;
+  std::vector<Eigen::VectorXf> places_;  // One a key frame.
+  std::vector<LoopAttempt> attempts_;
+  std::vector<Loop> loops_;
+  // Verified, but not trusted (yet), and their attempts.
+  std::vector<Loop> unsupported_;
+  std::vector<std::size_t> unsupported_attempts_;
+};
+
+}  // namespace gluevo::vo

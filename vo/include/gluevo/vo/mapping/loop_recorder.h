@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "gluevo/vo/core/frame_result.h"
+#include "gluevo/vo/core/stereo_frame.h"
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/frontend/matcher.h"
+#include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/mapping/loop_closer.h"
+#include "gluevo/vo/mapping/place_codebook.h"
+
+namespace gluevo::vo {
+
+/// Looks over odometry's shoulder: keeps some of its key frames, finds where it has been before,
+/// and at the end knows all poses better. Odometry itself goes on as it would without.
+class LoopRecorder {
+ public:
+  /// `extractor` finds what the codebook knows; the front end's, if it has such a one, costs
+  /// nothing (ExtractorMemo). Throws Error for options out of their range.
+  LoopRecorder(const StereoRig& rig, PlaceCodebook codebook,
+               std::shared_ptr<FeatureExtractor> extractor, std::shared_ptr<Matcher> matcher,
+               const LoopOptions& options);
+
+  /// To be called after every frame. `rig`: Odometry's. Throws what the networks throw.
+  void Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig);
+
+  const LoopCloser& closer() const { return closer_; }
+
+  /// A pose for every frame, as loops have it: the motion between two kept key frames is odometry's
+  /// but for a smooth bend. Poses of segments that no loop links stay odometry's. The same as
+  /// odometry's where there are no loops.
+  Trajectory Optimized() const;
+  /// Of each frame the oldest segment that loops link with its own.
+  std::vector<int> LinkedSegments() const;
+
+ private:
+  struct Frame {
+    StampedPose pose;
+    int segment = 0;
+  };
+
+  bool IsToBeKept(const FrameResult& result) const;
+
+  std::shared_ptr<FeatureExtractor> extractor_;
+  std::shared_ptr<Matcher> matcher_;
+  LoopOptions options_;
+  LoopCloser closer_;
+  std::vector<Frame> frames_;
+  /// Of the motion from the newest key frame that is kept to odometry's newest one.
+  PoseCovariance since_kept_ = PoseCovariance::Zero();
+};
+
+}  // namespace gluevo::vo

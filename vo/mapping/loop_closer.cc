@@ -1,0 +1,161 @@
+#include "gluevo/vo/mapping/loop_closer.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/mapping/pose_graph.h"
+#include "linked_segments.h"
+
+namespace gluevo::vo {
+namespace {
+
+// What no estimate is better than: a tenth of a millimetre, a hundredth of a milliradian.
+PoseCovariance WithFloor(const PoseCovariance& covariance) {
+  PoseCovariance floored = covariance;
+  floored.diagonal().head<3>().array() += 1e-8;
+  floored.diagonal().tail<3>().array() += 1e-10;
+  return floored;
+}
+
+std::vector<PoseGraphEdge> Edges(const std::vector<LoopKeyframe>& keyframes,
+                                 const std::vector<Loop>& loops) {
+  std::vector<PoseGraphEdge> edges;
+  for (std::size_t i = 1; i < keyframes.size(); ++i) {
+    if (keyframes[i].segment == keyframes[i - 1].segment) {
+      const LoopMeasurement odometry = OdometryBetween(keyframes, i - 1, i);
+      edges.push_back({i - 1, i, odometry.candidate_from_query, WithFloor(odometry.covariance)});
+    }
+  }
+  for (const Loop& loop : loops) {
+    edges.push_back({loop.candidate, loop.query, loop.measurement.candidate_from_query,
+                     WithFloor(loop.measurement.covariance), /*is_robust=*/true});
+  }
+  return edges;
+}
+
+}  // namespace
+
+void LoopOptions::Validate() const {
+  CheckWithin(interval_s, 0.0, 1e9, "loops.interval_s");
+  CheckWithin(min_age_s, 0.0, 1e9, "loops.min_age_s");
+  CheckWithin(min_similarity, -1.0, 1.0, "loops.min_similarity");
+  CheckWithin(min_similarity_share, 0.0, 1.0, "loops.min_similarity_share");
+  CheckAtLeast(max_candidates, 1, "loops.max_candidates");
+  verification.Validate();
+  consistency.Validate();
+}
+
+LoopCloser::LoopCloser(const StereoRig& rig, PlaceCodebook codebook,
+                       std::shared_ptr<Matcher> matcher, const LoopOptions& options)
+    : rig_(rig), codebook_(std::move(codebook)), matcher_(std::move(matcher)), options_(options) {
+  options_.Validate();
+}
+
+void LoopCloser::Add(LoopKeyframe keyframe) {
+  places_.push_back(codebook_.Describe(keyframe.features));
+  keyframes_.push_back(std::move(keyframe));
+  Verify(FindCandidates());
+}
+
+std::vector<LoopCloser::Candidate> LoopCloser::FindCandidates() const {
+  const LoopKeyframe& query = keyframes_.back();
+  const Eigen::VectorXf& place = places_.back();
+  double least = options_.min_similarity;
+  if (keyframes_.size() > 1 && keyframes_[keyframes_.size() - 2].segment == query.segment) {
+    least = std::max<double>(
+        least, options_.min_similarity_share * place.dot(places_[places_.size() - 2]));
+  }
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i + 1 < keyframes_.size(); ++i) {
+    const double age_s =
+        static_cast<double>(query.timestamp_ns - keyframes_[i].timestamp_ns) * 1e-9;
+    if (keyframes_[i].segment == query.segment && age_s < options_.min_age_s) {
+      break;
+    }
+    const double similarity = place.dot(places_[i]);
+    if (similarity >= least) {
+      candidates.push_back({i, similarity});
+    }
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const auto& x, const auto& y) { return x.similarity > y.similarity; });
+  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.max_candidates)));
+  // Where tracking was lost the last place is the likeliest, whatever it looks like.
+  const std::size_t last = keyframes_.size() - 2;
+  if (keyframes_.size() > 1 && keyframes_[last].segment != query.segment) {
+    std::erase_if(candidates, [&](const Candidate& other) { return other.keyframe == last; });
+    candidates.insert(candidates.begin(), {last, place.dot(places_[last])});
+  }
+  return candidates;
+}
+
+void LoopCloser::Verify(const std::vector<Candidate>& candidates) {
+  const LoopKeyframe& query = keyframes_.back();
+  for (const Candidate& candidate : candidates) {
+    const LoopKeyframe& old = keyframes_[candidate.keyframe];
+    const LoopCheck check = VerifyLoop(rig_, query, old, *matcher_, options_.verification);
+    attempts_.push_back({.query_ns = query.timestamp_ns,
+                         .candidate_ns = old.timestamp_ns,
+                         .similarity = candidate.similarity,
+                         .matches = check.matches,
+                         .inliers = check.inliers,
+                         .reason = check.reason});
+    if (check.measurement) {
+      Trust({candidate.keyframe, keyframes_.size() - 1, *check.measurement, check.inliers},
+            attempts_.size() - 1);
+      if (attempts_.back().is_closed) {
+        return;
+      }
+    }
+  }
+}
+
+void LoopCloser::Trust(const Loop& loop, std::size_t attempt) {
+  unsupported_.push_back(loop);
+  unsupported_attempts_.push_back(attempt);
+  // One that is trusted may be what another one waits for.
+  for (std::size_t i = unsupported_.size(); i-- > 0;) {
+    const Loop waiting = unsupported_[i];
+    std::vector<Loop> others = loops_;
+    for (std::size_t k = 0; k < unsupported_.size(); ++k) {
+      if (k != i) {
+        others.push_back(unsupported_[k]);
+      }
+    }
+    const LoopTrust trust = Judge(waiting, others, keyframes_, options_.consistency);
+    LoopAttempt& told = attempts_[unsupported_attempts_[i]];
+    told.is_closed = trust == LoopTrust::kTrusted;
+    told.reason = trust == LoopTrust::kTrusted       ? ""
+                  : trust == LoopTrust::kUnsupported ? "no other loop agrees"
+                                                     : "the path cannot be as wrong as that";
+    if (trust == LoopTrust::kTrusted) {
+      loops_.push_back(waiting);
+    }
+    if (trust != LoopTrust::kUnsupported) {
+      unsupported_.erase(unsupported_.begin() + static_cast<std::ptrdiff_t>(i));
+      unsupported_attempts_.erase(unsupported_attempts_.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  }
+}
+
+std::vector<Rigid3> LoopCloser::Optimized() const {
+  const std::map<int, internal::LinkedSegment> segments =
+      internal::LinkSegments(keyframes_, loops_);
+  std::vector<Rigid3> world_from_body;
+  std::vector<bool> is_fixed;
+  std::set<int> anchored;
+  for (const LoopKeyframe& keyframe : keyframes_) {
+    const internal::LinkedSegment& segment = segments.at(keyframe.segment);
+    world_from_body.push_back(segment.root_from_segment * keyframe.world_from_body);
+    is_fixed.push_back(anchored.insert(segment.root).second);
+  }
+  if (!loops_.empty()) {
+    OptimizePoseGraph(Edges(keyframes_, loops_), is_fixed, world_from_body);
+  }
+  return world_from_body;
+}
+
+}  // namespace gluevo::vo

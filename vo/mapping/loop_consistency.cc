@@ -1,0 +1,106 @@
+#include "gluevo/vo/mapping/loop_consistency.h"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+
+#include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/geometry/pose_uncertainty.h"
+
+namespace gluevo::vo {
+namespace {
+
+LoopMeasurement Chained(const LoopMeasurement& first, const LoopMeasurement& second) {
+  return {first.candidate_from_query * second.candidate_from_query,
+          Compose(first.covariance, second.candidate_from_query, second.covariance)};
+}
+
+LoopMeasurement Inverted(const LoopMeasurement& motion) {
+  const Rigid3 inverse = motion.candidate_from_query.Inverse();
+  // The error of an inverse in its own axes is that of the motion, seen from the other end.
+  const Eigen::Matrix<double, 6, 6> through = ErrorThrough(inverse);
+  return {inverse, through * motion.covariance * through.transpose()};
+}
+
+LoopMeasurement AnyOrder(const std::vector<LoopKeyframe>& keyframes, std::size_t a, std::size_t b) {
+  return a <= b ? OdometryBetween(keyframes, a, b) : Inverted(OdometryBetween(keyframes, b, a));
+}
+
+// Squared standard deviations between two measurements of one motion; the first one's errors count
+// `inflation` times.
+double SquaredError(const LoopMeasurement& x, const LoopMeasurement& y, double inflation = 1.0) {
+  const Eigen::Matrix<double, 6, 1> error =
+      ErrorOfPose(x.candidate_from_query, y.candidate_from_query);
+  const PoseCovariance both = inflation * inflation * x.covariance + y.covariance;
+  return error.dot(both.ldlt().solve(error));
+}
+
+bool IsApart(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyframes,
+             double min_apart_s) {
+  const auto seconds = [&](std::size_t a, std::size_t b) {
+    return std::abs(static_cast<double>(keyframes[a].timestamp_ns - keyframes[b].timestamp_ns) *
+                    1e-9);
+  };
+  return seconds(x.query, y.query) >= min_apart_s;
+}
+
+bool Agree(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyframes,
+           double max_error) {
+  const LoopMeasurement around =
+      Chained(Chained(AnyOrder(keyframes, x.candidate, y.candidate), y.measurement),
+              AnyOrder(keyframes, y.query, x.query));
+  return SquaredError(around, x.measurement) <= max_error;
+}
+
+bool LinksTheSameSegments(const Loop& x, const Loop& y,
+                          const std::vector<LoopKeyframe>& keyframes) {
+  return keyframes[x.candidate].segment == keyframes[y.candidate].segment &&
+         keyframes[x.query].segment == keyframes[y.query].segment;
+}
+
+}  // namespace
+
+void LoopConsistencyOptions::Validate() const {
+  CheckPositive(max_error, "loops.max_error");
+  CheckPositive(max_bend, "loops.max_bend");
+  CheckAtLeast(supporters, 0, "loops.supporters");
+  CheckAtLeast(strong_inliers, 1, "loops.strong_inliers");
+  CheckWithin(min_apart_s, 0.0, 1e9, "loops.min_apart_s");
+}
+
+LoopMeasurement OdometryBetween(const std::vector<LoopKeyframe>& keyframes, std::size_t a,
+                                std::size_t b) {
+  LoopMeasurement motion;
+  for (std::size_t i = a + 1; i <= b; ++i) {
+    motion =
+        Chained(motion, {keyframes[i - 1].world_from_body.Inverse() * keyframes[i].world_from_body,
+                         keyframes[i].motion_covariance});
+  }
+  return motion;
+}
+
+LoopTrust Judge(const Loop& loop, const std::vector<Loop>& others,
+                const std::vector<LoopKeyframe>& keyframes, const LoopConsistencyOptions& options) {
+  if (keyframes[loop.candidate].segment == keyframes[loop.query].segment) {
+    const LoopMeasurement odometry = OdometryBetween(keyframes, loop.candidate, loop.query);
+    if (SquaredError(odometry, loop.measurement) <= options.max_error) {
+      return LoopTrust::kTrusted;
+    }
+    if (SquaredError(odometry, loop.measurement, options.max_bend) > options.max_error) {
+      return LoopTrust::kImpossible;
+    }
+  } else if (loop.inliers >= options.strong_inliers) {
+    // A segment may be a single frame, which has no others to agree with.
+    return LoopTrust::kTrusted;
+  }
+  int supporters = 0;
+  for (const Loop& other : others) {
+    if (LinksTheSameSegments(loop, other, keyframes) &&
+        IsApart(loop, other, keyframes, options.min_apart_s) &&
+        Agree(loop, other, keyframes, options.max_error)) {
+      ++supporters;
+    }
+  }
+  return supporters >= options.supporters ? LoopTrust::kTrusted : LoopTrust::kUnsupported;
+}
+
+}  // namespace gluevo::vo

@@ -1,0 +1,46 @@
+#include "gluevo/vo/mapping/loop_keyframe.h"
+
+#include <array>
+#include <cstddef>
+#include <optional>
+
+#include "gluevo/vo/geometry/epipolar.h"
+#include "gluevo/vo/geometry/triangulation.h"
+
+namespace gluevo::vo {
+namespace {
+
+Eigen::Vector2d Ray(const Camera& camera, const nn::Features& features, int i) {
+  return camera.Undistort(features.keypoints.row(i).transpose().cast<double>());
+}
+
+}  // namespace
+
+std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Features& left,
+                                            const nn::Features& right, const nn::Matches& stereo,
+                                            double max_epipolar_error_px) {
+  const EpipolarCheck epipolar(rig);
+  const Rigid3 right_from_left = rig.right_from_left();
+  std::vector<StereoKeypoint> keypoints(static_cast<std::size_t>(left.size()));
+  for (int i = 0; i < left.size(); ++i) {
+    StereoKeypoint& keypoint = keypoints[i];
+    keypoint.left = Ray(rig.cameras[0], left, i);
+    const int match = stereo.matches0[i];
+    if (match < 0) {
+      continue;
+    }
+    keypoint.right = Ray(rig.cameras[1], right, match);
+    keypoint.has_right = epipolar.Allows(keypoint.left, keypoint.right, max_epipolar_error_px);
+    if (!keypoint.has_right) {
+      continue;
+    }
+    const std::array<PosedObservation, 2> views = {PosedObservation{{}, keypoint.left},
+                                                   {right_from_left, keypoint.right}};
+    if (const std::optional<Eigen::Vector3d> point = Triangulate(views, {})) {
+      keypoint.inverse_depth = 1.0 / point->z();
+    }
+  }
+  return keypoints;
+}
+
+}  // namespace gluevo::vo

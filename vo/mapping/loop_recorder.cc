@@ -1,0 +1,107 @@
+#include "gluevo/vo/mapping/loop_recorder.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "gluevo/vo/geometry/pose_uncertainty.h"
+#include "linked_segments.h"
+
+namespace gluevo::vo {
+namespace {
+
+// From a to b, which are one pose as two neighbours have it.
+Rigid3 Blend(const Rigid3& a, const Rigid3& b, double share) {
+  return {a.rotation.slerp(share, b.rotation),
+          a.translation + share * (b.translation - a.translation)};
+}
+
+}  // namespace
+
+LoopRecorder::LoopRecorder(const StereoRig& rig, PlaceCodebook codebook,
+                           std::shared_ptr<FeatureExtractor> extractor,
+                           std::shared_ptr<Matcher> matcher, const LoopOptions& options)
+    : extractor_(std::move(extractor)),
+      matcher_(std::move(matcher)),
+      options_(options),
+      closer_(rig, std::move(codebook), matcher_, options) {}
+
+bool LoopRecorder::IsToBeKept(const FrameResult& result) const {
+  if (!result.is_keyframe || result.is_predicted) {
+    return false;
+  }
+  if (closer_.keyframes().empty() || closer_.keyframes().back().segment != result.segment) {
+    return true;
+  }
+  const double seconds =
+      static_cast<double>(result.timestamp_ns - closer_.keyframes().back().timestamp_ns) * 1e-9;
+  return seconds >= options_.interval_s;
+}
+
+void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig) {
+  const bool starts_segment = frames_.empty() || frames_.back().segment != result.segment;
+  frames_.push_back({{result.timestamp_ns, result.world_from_body}, result.segment});
+  if (starts_segment) {
+    since_kept_ = PoseCovariance::Zero();
+  } else if (result.is_keyframe) {
+    since_kept_ = Compose(since_kept_, result.keyframe_from_body, result.motion_covariance);
+  }
+  if (!IsToBeKept(result)) {
+    return;
+  }
+  LoopKeyframe keyframe{.timestamp_ns = result.timestamp_ns,
+                        .segment = result.segment,
+                        .world_from_body = result.world_from_body,
+                        .motion_covariance = since_kept_};
+  constexpr double kMaxEpipolarErrorPx = 3.0;
+  keyframe.features = extractor_->Extract(frame.images[0]);
+  const nn::Features right = extractor_->Extract(frame.images[1]);
+  const nn::Matches stereo =
+      matcher_->Match(keyframe.features, right, options_.verification.match_threshold);
+  keyframe.keypoints = LocateKeypoints(rig, keyframe.features, right, stereo, kMaxEpipolarErrorPx);
+  closer_.Add(std::move(keyframe));
+  since_kept_ = PoseCovariance::Zero();
+}
+
+Trajectory LoopRecorder::Optimized() const {
+  const std::vector<LoopKeyframe>& kept = closer_.keyframes();
+  const std::vector<Rigid3> optimized = closer_.Optimized();
+  Trajectory trajectory;
+  trajectory.reserve(frames_.size());
+  std::size_t next = 0;  // The first kept one after the frame.
+  for (const Frame& frame : frames_) {
+    while (next < kept.size() && kept[next].timestamp_ns <= frame.pose.timestamp_ns) {
+      ++next;
+    }
+    const auto by = [&](std::size_t i) {
+      return optimized[i] * (kept[i].world_from_body.Inverse() * frame.pose.world_from_body);
+    };
+    const bool has_before = next > 0 && kept[next - 1].segment == frame.segment;
+    const bool has_after = next < kept.size() && kept[next].segment == frame.segment;
+    Rigid3 pose = frame.pose.world_from_body;
+    if (has_before && has_after) {
+      const double share =
+          static_cast<double>(frame.pose.timestamp_ns - kept[next - 1].timestamp_ns) /
+          static_cast<double>(kept[next].timestamp_ns - kept[next - 1].timestamp_ns);
+      pose = Blend(by(next - 1), by(next), share);
+    } else if (has_before || has_after) {
+      pose = by(has_before ? next - 1 : next);
+    }
+    trajectory.push_back({frame.pose.timestamp_ns, pose});
+  }
+  return trajectory;
+}
+
+std::vector<int> LoopRecorder::LinkedSegments() const {
+  const std::map<int, internal::LinkedSegment> segments =
+      internal::LinkSegments(closer_.keyframes(), closer_.loops());
+  std::vector<int> linked;
+  linked.reserve(frames_.size());
+  for (const Frame& frame : frames_) {
+    const auto segment = segments.find(frame.segment);
+    linked.push_back(segment == segments.end() ? frame.segment : segment->second.root);
+  }
+  return linked;
+}
+
+}  // namespace gluevo::vo

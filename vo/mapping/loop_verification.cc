@@ -1,0 +1,147 @@
+#include "gluevo/vo/mapping/loop_verification.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <bitset>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/reference_focal.h"
+#include "gluevo/vo/geometry/pose_uncertainty.h"
+
+namespace gluevo::vo {
+namespace {
+
+// A keypoint of a key frame and the one of another that shows the same.
+struct Pair {
+  int known = 0;
+  int seen = 0;
+};
+
+struct Located {
+  Rigid3 known_from_seen;
+  PoseCovariance covariance;
+  int inliers = 0;
+  std::vector<int> seen;  // The inliers' keypoints.
+};
+
+// Where the key frame `seen` is, by the points of `known`.
+std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
+                              const LoopKeyframe& seen, const std::vector<Pair>& pairs,
+                              const LoopVerificationOptions& options, std::string& reason) {
+  const Rigid3& body_from_left = rig.body_from_cam[0];
+  // Two keypoints' errors, along the baseline.
+  const double sigma = std::sqrt(2.0) * FromReferencePx(options.pnp.noise_px) / rig.baseline();
+  std::vector<PnpObservation> observations;
+  std::vector<int> keypoints;
+  for (const Pair& pair : pairs) {
+    const StereoKeypoint& point = known.keypoints[pair.known];
+    const StereoKeypoint& view = seen.keypoints[pair.seen];
+    if (point.inverse_depth <= 0.0 || !view.left.allFinite()) {
+      continue;
+    }
+    observations.push_back(
+        {.point = {body_from_left.translation, body_from_left.rotation * point.left.homogeneous(),
+                   point.inverse_depth, sigma},
+         .left = view.left,
+         .has_right = view.has_right,
+         .right = view.right});
+    keypoints.push_back(pair.seen);
+  }
+  const std::optional<PnpResult> pose = SolvePnp(rig, observations, {}, options.pnp);
+  if (!pose) {
+    reason = "no pose fits";
+    return std::nullopt;
+  }
+  if (pose->inliers < options.min_inliers || pose->vote_share < options.min_inlier_share) {
+    reason = std::to_string(pose->inliers) + " of " + std::to_string(observations.size()) +
+             " points fit";
+    return std::nullopt;
+  }
+  Located located{pose->world_from_body, pose->covariance, pose->inliers, {}};
+  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+    if (pose->verdicts[i] != PnpVerdict::kOutlier) {
+      located.seen.push_back(keypoints[i]);
+    }
+  }
+  return located;
+}
+
+int CountFields(const nn::Features& features, const std::vector<int>& keypoints) {
+  constexpr std::size_t kSide = 4;
+  std::bitset<kSide * kSide> fields;
+  for (const int i : keypoints) {
+    const auto place = [&](int axis, int size) {
+      const float share = features.keypoints(i, axis) / static_cast<float>(size);
+      return static_cast<std::size_t>(std::clamp(share, 0.0F, 0.999F) * kSide);
+    };
+    fields.set(kSide * place(1, features.height) + place(0, features.width));
+  }
+  return static_cast<int>(fields.count());
+}
+
+// Squared, in standard deviations of both.
+double Disagreement(const Located& forth, const Located& back) {
+  const Eigen::Matrix<double, 6, 1> error =
+      ErrorOfPose(forth.known_from_seen, back.known_from_seen.Inverse());
+  const Eigen::Matrix<double, 6, 6> through = ErrorThrough(back.known_from_seen.Inverse());
+  const PoseCovariance both = forth.covariance + through * back.covariance * through.transpose();
+  return error.dot(both.ldlt().solve(error));
+}
+
+}  // namespace
+
+void LoopVerificationOptions::Validate() const {
+  CheckWithin(match_threshold, 0.0, 1.0, "loops.match_threshold");
+  CheckAtLeast(min_matches, 4, "loops.min_matches");
+  CheckAtLeast(min_inliers, 4, "loops.min_inliers");
+  CheckWithin(min_inlier_share, 0.0, 1.0, "loops.min_inlier_share");
+  CheckAtLeast(min_fields, 1, "loops.min_fields");
+  CheckPositive(max_disagreement, "loops.max_disagreement");
+  pnp.Validate();
+}
+
+LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const LoopKeyframe& candidate,
+                     Matcher& matcher, const LoopVerificationOptions& options) {
+  LoopCheck check;
+  const nn::Matches matches =
+      matcher.Match(candidate.features, query.features, options.match_threshold);
+  std::vector<Pair> forth;
+  std::vector<Pair> back;
+  for (std::size_t i = 0; i < matches.matches0.size(); ++i) {
+    if (matches.matches0[i] >= 0) {
+      forth.push_back({static_cast<int>(i), matches.matches0[i]});
+      back.push_back({matches.matches0[i], static_cast<int>(i)});
+    }
+  }
+  check.matches = static_cast<int>(forth.size());
+  if (check.matches < options.min_matches) {
+    check.reason = std::to_string(check.matches) + " matches";
+    return check;
+  }
+  const auto by_candidate = Locate(rig, candidate, query, forth, options, check.reason);
+  if (!by_candidate) {
+    return check;
+  }
+  check.inliers = by_candidate->inliers;
+  if (const int fields = CountFields(query.features, by_candidate->seen);
+      fields < options.min_fields) {
+    check.reason = "all points in " + std::to_string(fields) + " of 16 fields of the image";
+    return check;
+  }
+  const auto by_query = Locate(rig, query, candidate, back, options, check.reason);
+  if (!by_query) {
+    check.reason += " the other way round";
+    return check;
+  }
+  if (Disagreement(*by_candidate, *by_query) > options.max_disagreement) {
+    check.reason = "the two ways disagree";
+    return check;
+  }
+  check.measurement = {by_candidate->known_from_seen, by_candidate->covariance};
+  return check;
+}
+
+}  // namespace gluevo::vo
