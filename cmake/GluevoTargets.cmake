@@ -36,6 +36,16 @@ function(gluevo_reuse_precompiled target other)
   gluevo_see_through_precompiled(${target})
 endfunction()
 
+# gluevo_join_sources(TARGET [FILES...]): where headers are precompiled, too, the target's files are
+# compiled some at a time; FILES, which have names of their own in common with others, each alone.
+function(gluevo_join_sources target)
+  if(NOT GLUEVO_PRECOMPILE)
+    return()
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 7)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 function(gluevo_see_through_precompiled target)
   # The first is what ccache needs to see through them. The others: behind them g++ 12 takes its own
   # std::string for ours and warns of it (GCC bug 105651 once more).
