@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "bench_work.h"
+#include "command_line/standard_streams.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
@@ -20,12 +22,15 @@
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/peak_share.h"
 #include "gluevo/nn/random_weights.h"
+#include "gluevo/nn/replaced_file.h"
 #include "json_text.h"
 #include "options/network_options.h"
-#include "standard_streams.h"
 
 namespace gluevo::apps {
 namespace {
+
+// By which a file of --output is known again.
+constexpr const char* kOutputMark = "gluevo bench";
 
 struct BenchArguments {
   std::string network = "superpoint";
@@ -151,6 +156,7 @@ void Bench(BenchArguments arguments) {
     std::vector<std::filesystem::path> inputs = WeightsInputs(arguments.networks);
     inputs.insert(inputs.end(), {arguments.inputs.image, arguments.inputs.features});
     CheckOutputsAreNoInputs({arguments.output}, inputs);
+    nn::CheckReplacesOnly(arguments.output, kOutputMark, "a file of gluevo bench");
     nn::CheckPlaceForFile(arguments.output);
   }
   nn::ThreadPool pool(arguments.threads);
@@ -158,7 +164,9 @@ void Bench(BenchArguments arguments) {
   const vo::Networks networks = MakeNetworks(arguments);
   const BenchWork work = MakeWork(arguments, networks, workspace);
   if (!arguments.output.empty()) {
-    nn::WriteSafetensors(arguments.output, work.outputs());
+    nn::Weights outputs = work.outputs();
+    outputs.metadata["writer"] = kOutputMark;
+    nn::WriteSafetensors(arguments.output, outputs);
   }
   work.run();  // Warms up: memory and caches.
   if (arguments.on_request) {
@@ -176,13 +184,13 @@ void AddBenchCommand(CLI::App& app) {
   const auto arguments = std::make_shared<BenchArguments>();
   BenchInputs& inputs = arguments->inputs;
   command->add_option("--network", arguments->network, "superpoint, superglue, aliked or lightglue")
-      ->check(CLI::IsMember({"superpoint", "superglue", "aliked", "lightglue"}))
+      ->check(OneOf({"superpoint", "superglue", "aliked", "lightglue"}))
       ->capture_default_str();
   CLI::Option* const size =
       command->add_option("--size", arguments->size, "Of the image, pixels")->capture_default_str();
   CLI::Option* const keypoints =
       command->add_option("--keypoints", inputs.keypoints, "Of each image")
-          ->check(CLI::Range(1, 100000))
+          ->check(Within(1, 100000))
           ->capture_default_str();
   command->add_option("--image", inputs.image, "Image for SuperPoint or ALIKED; default: noise")
       ->excludes(size);
@@ -197,7 +205,7 @@ void AddBenchCommand(CLI::App& app) {
                       "Write what goes in and what comes out to this .safetensors file");
   CLI::Option* const rounds =
       command->add_option("--rounds", arguments->rounds, "Timed calls, after one that is not")
-          ->check(CLI::Range(1, 100000))
+          ->check(Within(1, 100000))
           ->capture_default_str();
   CLI::Option* const json = command->add_flag("--json", arguments->json, "Print JSON");
   command
@@ -213,7 +221,7 @@ void AddBenchCommand(CLI::App& app) {
           ->add_option("--layers", arguments->layers,
                        "Random weights of the published size, SuperGlue's and LightGlue's with so "
                        "many layers (published: 18 and 9)")
-          ->check(CLI::Range(1, 100));
+          ->check(Within(1, 100));
   for (const char* const given :
        {"--weights", "--superpoint", "--superglue", "--aliked", "--lightglue"}) {
     layers->excludes(command->get_option(given));

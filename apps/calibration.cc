@@ -13,10 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/io/calibration.h"
 #include "gluevo/vo/io/output_directory.h"
 
@@ -91,7 +94,7 @@ void PrintCalibration(const vo::Calibration& calibration) {
   const vo::StereoRig& rig = calibration.rig;
   std::cout << std::setprecision(10) << calibration.tool << ": ";
   for (std::size_t i = 0; i < calibration.files.size(); ++i) {
-    std::cout << (i > 0 ? ", " : "") << calibration.files[i].string();
+    std::cout << (i > 0 ? ", " : "") << OneLine(calibration.files[i].string());
   }
   std::cout << '\n';
   PrintCamera(rig.cameras[0], "left");
@@ -105,15 +108,18 @@ void PrintCalibration(const vo::Calibration& calibration) {
             << "rectified: " << (vo::IsRectified(rig) ? "yes" : "no") << '\n'
             << "body: " << rig.body_frame << '\n';
   for (const std::string& note : calibration.notes) {
-    std::cout << "note: " << note << '\n';
+    std::cout << "note: " << OneLine(note) << '\n';
   }
   for (const std::string& warning : calibration.warnings) {
-    std::cout << "warning: " << warning << '\n';
+    std::cout << "warning: " << OneLine(warning) << '\n';
   }
 }
 
+// By which a file of --write is known again.
+constexpr const char* kWriteMark = "# Written by gluevo calibration";
+
 void WriteCalibrationFile(const fs::path& path, const std::string& text) {
-  nn::WriteWholeFile(path, [&](std::ostream& out) { out << text; });
+  nn::WriteWholeFile(path, [&](std::ostream& out) { out << kWriteMark << '\n' << text; });
 }
 
 std::vector<fs::path> FilesToWrite(const CalibrationArguments& arguments) {
@@ -160,6 +166,9 @@ void RunCalibration(const CalibrationArguments& arguments) {
   }
   if (!arguments.form.empty()) {
     CheckOutputsAreNoInputs(FilesToWrite(arguments), calibration.files);
+    for (const fs::path& file : FilesToWrite(arguments)) {
+      nn::CheckReplacesOnly(file, kWriteMark, "a calibration that gluevo wrote");
+    }
   }
   PrintCalibration(calibration);
   if (!arguments.form.empty()) {
@@ -182,7 +191,7 @@ void AddCalibrationCommand(CLI::App& app) {
   command->add_option("--size", arguments->size,
                       "Size of the images, WIDTHxHEIGHT, where the file lacks it or has several");
   command->add_option("--write", arguments->form, "Convert to kalibr (a file) or euroc (a folder)")
-      ->check(CLI::IsMember({"kalibr", "euroc"}));
+      ->check(OneOf({"kalibr", "euroc"}));
   command->add_option("-o,--output", arguments->output,
                       "Camchain to write, or folder of cam0/sensor.yaml and cam1/sensor.yaml");
   command->footer(

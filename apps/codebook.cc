@@ -7,9 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/io/image_file.h"
 #include "gluevo/vo/mapping/place_training.h"
 #include "interruption.h"
@@ -51,7 +54,7 @@ void MakeCodebook(const CodebookArguments& arguments) {
   std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
   inputs.push_back(arguments.images);
   CheckOutputsAreNoInputs({arguments.output}, inputs);
-  CheckReplacesOnly(arguments.output, "\"centres\"", "a place codebook");
+  nn::CheckReplacesOnly(arguments.output, "\"centres\"", "a place codebook");
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   nn::ThreadPool pool(arguments.threads);
   const vo::Networks networks = vo::LoadNetworks(arguments.networks, arguments.features, "");
@@ -63,7 +66,8 @@ void MakeCodebook(const CodebookArguments& arguments) {
       DescribeAll(images, *extractor), networks.records.front().checksum, arguments.training);
   vo::WritePlaceCodebook(arguments.output, codebook);
   std::cout << images.size() << " images, " << codebook.centres().rows() << " centres of "
-            << codebook.descriptor_size() << " values: " << arguments.output.string() << '\n';
+            << codebook.descriptor_size() << " values: " << OneLine(arguments.output.string())
+            << '\n';
 }
 
 }  // namespace
@@ -77,7 +81,7 @@ void AddCodebookCommand(CLI::App& app) {
   command->add_option("-o,--output", arguments->output, "Safetensors file to write")->required();
   command->add_option("--centres", arguments->training.centres, "How many")
       ->capture_default_str()
-      ->check(CLI::Range(1, 4096));
+      ->check(Within(1, 4096));
   AddFeaturesOption(*command, arguments->features);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
   command->footer("Example:\n  gluevo codebook images/ --weights weights/ -o places.safetensors");

@@ -8,6 +8,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/doctor/doctor.h"
@@ -30,7 +32,8 @@ void PrintFindings(const vo::Diagnosis& diagnosis) {
   }
   for (const vo::Finding& finding : diagnosis.findings) {
     std::cout << std::left << std::setw(12) << vo::NameOf(finding.verdict)
-              << std::setw(static_cast<int>(topic_width) + 2) << finding.topic << finding.value;
+              << std::setw(static_cast<int>(topic_width) + 2) << finding.topic
+              << OneLine(finding.value);
     if (finding.verdict != vo::Verdict::kGood && !finding.expected.empty()) {
       std::cout << " (expected: " << finding.expected << ")";
     }
@@ -68,7 +71,7 @@ void AddDoctorCommand(CLI::App& app) {
   command
       ->add_option("--pairs", arguments->options.pairs,
                    "Stereo pairs to look at, evenly over the frames, at most")
-      ->check(CLI::PositiveNumber)
+      ->check(AtLeast(1))
       ->capture_default_str();
   command->add_flag("--json", arguments->json, "Print JSON instead of a page");
   command->footer(

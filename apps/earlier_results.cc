@@ -6,6 +6,7 @@
 
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/io/whole_file.h"
 
@@ -58,12 +59,12 @@ void CheckReplacesOnlyResults(const RunPlaces& places, const fs::path& matches,
     return;
   }
   for (const fs::path& file : MapFiles(places)) {
-    check(file, HasMark(file, "world frame, metres"));
+    check(file, nn::HasMark(file, "world frame, metres"));
   }
   std::error_code code;
   const auto model = [&](int segment) { return places.map / "colmap" / std::to_string(segment); };
   for (int i = 0; fs::is_directory(model(i), code); ++i) {
-    const bool is_result = HasMark(model(i) / "cameras.txt", "# CAMERA_ID, MODEL");
+    const bool is_result = nn::HasMark(model(i) / "cameras.txt", "# CAMERA_ID, MODEL");
     for (const char* const name : {"cameras.txt", "images.txt", "points3D.txt"}) {
       check(model(i) / name, is_result);
     }

@@ -13,12 +13,15 @@
 #include <utility>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "evaluation_json.h"
 #include "evaluation_text.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/evaluation/time_scale.h"
@@ -114,7 +117,7 @@ std::optional<Segments> FindSegments(const EvaluateArguments& arguments,
     if (is_named) {
       throw;
     }
-    std::cerr << "gluevo: segments not used: " << error.what() << '\n';
+    PrintMessage("gluevo: note", std::string("segments not used: ") + error.what());
     return std::nullopt;
   }
   segments.evaluation =
@@ -208,7 +211,7 @@ void Evaluate(const EvaluateArguments& arguments) {
     CheckOutputsAreNoInputs({arguments.plot}, {arguments.estimate, arguments.groundtruth,
                                                arguments.times, arguments.segments});
     // The segments and times that are found by themselves are none either.
-    CheckReplacesOnly(arguments.plot, "<svg ", "an SVG file");
+    nn::CheckReplacesOnly(arguments.plot, "<svg ", "an SVG file");
     nn::CheckPlaceForFile(arguments.plot);
   }
   Inputs inputs = ReadInputs(arguments);
@@ -216,7 +219,7 @@ void Evaluate(const EvaluateArguments& arguments) {
   const vo::Trajectory& groundtruth = inputs.groundtruth;
   // An input that was read in an unusual way may be why the evaluation fails: said before.
   for (const std::string& warning : inputs.warnings) {
-    std::cerr << "note: " << warning << '\n';
+    PrintMessage("gluevo: note", warning);
   }
   const vo::Evaluation evaluation = vo::Evaluate(estimate, groundtruth, arguments.options);
   const std::optional<Segments> segments = FindSegments(arguments, estimate, groundtruth);
@@ -226,7 +229,7 @@ void Evaluate(const EvaluateArguments& arguments) {
   for (const auto& warning :
        {vo::AssociationWarning(evaluation, arguments.options), vo::ScaleWarning(evaluation)}) {
     if (warning) {
-      std::cerr << "warning: " << *warning << '\n';
+      PrintMessage("gluevo: warning", *warning);
       inputs.warnings.push_back(*warning);
     }
   }
@@ -252,12 +255,12 @@ void AddEvaluateCommand(CLI::App& app) {
   command
       ->add_option("--max-time-difference", arguments->options.max_time_difference_s,
                    "Poses at most this far apart in time belong together, seconds")
-      ->check(CLI::NonNegativeNumber)
+      ->check(Within(0.0, 1e6))
       ->capture_default_str();
   command
       ->add_option("--delta", arguments->options.rpe_frames,
                    "Frames of the relative pose error over frames")
-      ->check(CLI::PositiveNumber)
+      ->check(AtLeast(1))
       ->capture_default_str();
   command->add_flag("--all-pairs", arguments->options.rpe_every_frame,
                     "Take it from every frame, not from every so many-th");

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "experiments/experiment_file.h"
 #include "experiments/experiment_page.h"
@@ -107,12 +108,12 @@ void AddExperimentCommand(CLI::App& app) {
   command
       ->add_option("--jobs", arguments->jobs,
                    "Runs at once; they share the threads, so at most one a thread")
-      ->check(CLI::Range(1, 1024))
+      ->check(Within(1, 1024))
       ->capture_default_str();
   command
       ->add_option("--threads", arguments->threads,
                    "Threads of all runs together; default: one for each processor")
-      ->check(CLI::Range(1, 1024));
+      ->check(Within(1, 1024));
   command->add_flag("--skip-missing", arguments->skip_missing,
                     "Leave out data sets that are not there");
   command->add_flag("--dry-run", arguments->dry_run, "Print what would run");

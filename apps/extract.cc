@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "interruption.h"
@@ -53,16 +55,17 @@ std::optional<nn::Features> ExtractOrLeaveOut(const fs::path& file, int gray_bit
     return features;
   } catch (const Error& error) {
     ++remarks.left_out;
-    std::cerr << "gluevo: warning: " << error.what() << "; it is left out\n";
+    PrintMessage("gluevo: warning", std::string(error.what()) + "; it is left out");
     return std::nullopt;
   }
 }
 
 void Report(const Remarks& remarks) {
   if (remarks.turned > 0) {
-    std::cerr << "gluevo: note: " << remarks.turned
-              << " images ask to be turned (EXIF), which is never done: the first is "
-              << remarks.first_turned.string() << '\n';
+    PrintMessage("gluevo: note",
+                 std::to_string(remarks.turned) +
+                     " images ask to be turned (EXIF), which is never done: the first is " +
+                     remarks.first_turned.string());
   }
 }
 
@@ -71,7 +74,7 @@ void Extract(const ExtractArguments& arguments) {
   std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
   inputs.push_back(arguments.images);
   CheckOutputsAreNoInputs({arguments.output}, inputs);
-  CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
+  nn::CheckReplacesOnly(arguments.output, nn::kHdf5Mark, "an HDF5 file");
   const std::vector<fs::path> images = vo::ListImagesBelow(arguments.images);
   const int gray_bits = vo::GrayBits(images);
   nn::ThreadPool pool(arguments.threads);
@@ -108,7 +111,7 @@ void Extract(const ExtractArguments& arguments) {
   }
   writer.Finish();
   std::cout << images.size() - remarks.left_out << " images, " << keypoints
-            << " keypoints: " << arguments.output.string() << '\n';
+            << " keypoints: " << OneLine(arguments.output.string()) << '\n';
   if (remarks.left_out > 0) {
     std::cout << remarks.left_out << " images that cannot be read are left out\n";
   }

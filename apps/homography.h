@@ -8,7 +8,7 @@
 namespace gluevo::apps {
 
 /// A 3 x 3 matrix in an OpenCV yaml or xml file, or nine numbers in a text file. Throws Error where
-/// there is none.
+/// there is none, and where it has no inverse.
 cv::Matx33d ReadHomography(const std::filesystem::path& path);
 
 /// Matches whose point of image 0 the homography takes to within `max_error_px` of its mate.

@@ -10,9 +10,12 @@
 #include <optional>
 #include <sstream>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "homography.h"
@@ -83,7 +86,7 @@ void MatchFile(const MatchArguments& arguments) {
   std::vector<fs::path> inputs = WeightsInputs(arguments.networks);
   inputs.insert(inputs.end(), {arguments.inputs[0], arguments.pairs});
   CheckOutputsAreNoInputs({arguments.output}, inputs);
-  CheckReplacesOnly(arguments.output, kHdf5Mark, "an HDF5 file");
+  nn::CheckReplacesOnly(arguments.output, nn::kHdf5Mark, "an HDF5 file");
   const vo::FeatureReader reader(arguments.inputs[0]);
   const PairList list = ReadPairList(arguments.pairs, reader.images());
   const auto& pairs = list.pairs;
@@ -107,8 +110,8 @@ void MatchFile(const MatchArguments& arguments) {
     }
   }
   writer.Finish();
-  std::cout << pairs.size() << " pairs, " << total << " matches: " << arguments.output.string()
-            << '\n';
+  std::cout << pairs.size() << " pairs, " << total
+            << " matches: " << OneLine(arguments.output.string()) << '\n';
   if (list.repeated > 0) {
     std::cout << list.repeated << " lines of the list repeat a pair, which is matched once\n";
   }
@@ -120,8 +123,8 @@ void MatchFile(const MatchArguments& arguments) {
 cv::Mat ReadImage(const fs::path& file, int gray_bits) {
   const vo::GrayImage image = vo::ReadGrayImage(file, gray_bits);
   if (image.orientation != 1) {
-    std::cerr << "gluevo: note: " << file.string()
-              << ": the file asks to be turned (EXIF), which is never done\n";
+    PrintMessage("gluevo: note",
+                 file.string() + ": the file asks to be turned (EXIF), which is never done");
   }
   return image.pixels;
 }
@@ -212,13 +215,15 @@ void AddMatchCommand(CLI::App& app) {
   command
       ->add_option("--max-error", arguments->max_error_px,
                    "A match this close to the homography is right, pixels")
-      ->check(CLI::PositiveNumber)
+      ->check(Above(0.0))
       ->capture_default_str();
   AddFeaturesOption(*command, arguments->features);
   AddMatcherOption(*command, arguments->matcher);
-  command->add_option("--match-threshold", arguments->threshold,
-                      "Confidence above which pairs are matches; default: 0.2 of SuperGlue, 0.1 of "
-                      "LightGlue");
+  command
+      ->add_option("--match-threshold", arguments->threshold,
+                   "Confidence above which pairs are matches; default: 0.2 of SuperGlue, 0.1 of "
+                   "LightGlue")
+      ->check(Share());
   AddKeypointOptions(*command, arguments->keypoint_threshold, arguments->max_keypoints);
   AddLightGlueOptions(*command, arguments->lightglue);
   AddNetworkOptions(*command, arguments->networks, arguments->threads);
@@ -229,10 +234,11 @@ void AddMatchCommand(CLI::App& app) {
     arguments->features_given = command->count("--features") > 0;
     const bool images = arguments->inputs.size() == 2;
     if (images && (!arguments->pairs.empty() || !arguments->output.empty())) {
-      throw CLI::ValidationError("two images take neither --pairs nor --output");
+      throw CLI::ValidationError("two images take neither --pairs nor --output, expected --draw");
     }
     if (!images && (arguments->pairs.empty() || arguments->output.empty())) {
-      throw CLI::ValidationError("a features file needs --pairs and --output");
+      throw CLI::ValidationError(
+          "of one INPUT, a features file, --pairs and --output are expected, too");
     }
     if (images) {
       MatchImages(*arguments);

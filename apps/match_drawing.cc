@@ -1,20 +1,58 @@
 #include "match_drawing.h"
 
+#include <zlib.h>
+
 #include <algorithm>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 
 namespace gluevo::apps {
+namespace {
+
+// By which a drawing is known again, where its format has a place for it.
+constexpr std::string_view kMark = "gluevo match";
+
+std::string BigEndian(uint64_t value) {
+  std::string bytes;
+  for (const int shift : {24, 16, 8, 0}) {
+    bytes += static_cast<char>((value >> shift) & 0xffU);
+  }
+  return bytes;
+}
+
+// Puts the mark behind a PNG file's header, as the software that made it (PNG
+// specification, 11.3.3: a text chunk). Other files stay as they are.
+void AddMark(std::vector<uchar>& bytes) {
+  constexpr std::string_view kPng = "\x89PNG";
+  constexpr std::ptrdiff_t kAfterHeader = 33;
+  if (bytes.size() < kAfterHeader || !std::equal(kPng.begin(), kPng.end(), bytes.begin(),
+                                                 [](char a, uchar b) { return uchar(a) == b; })) {
+    return;
+  }
+  std::string chunk = "tEXtSoftware";
+  chunk.append(1, '\0').append(kMark);
+  const uint64_t checksum =
+      crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size()));
+  constexpr std::size_t kName = 4;
+  const std::string whole = BigEndian(chunk.size() - kName) + chunk + BigEndian(checksum);
+  bytes.insert(bytes.begin() + kAfterHeader, whole.begin(), whole.end());
+}
+
+}  // namespace
 
 void CheckPlaceForDrawing(const std::filesystem::path& path) {
   if (!cv::haveImageWriter(path.string())) {
     throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
   }
+  nn::CheckReplacesOnly(path, kMark, "a drawing of gluevo match in a PNG file");
   nn::CheckPlaceForFile(path);
 }
 
@@ -38,6 +76,7 @@ void DrawMatches(const std::filesystem::path& path, const cv::Mat& image0, const
   }
   std::vector<uchar> bytes;
   cv::imencode(path.extension().string(), canvas, bytes);
+  AddMark(bytes);
   nn::WriteWholeFile(path, [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(bytes.data()),
               static_cast<std::streamsize>(bytes.size()));

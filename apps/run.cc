@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "earlier_results.h"
@@ -56,14 +58,15 @@ struct RunArguments {
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
-  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")->required();
+  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")
+      ->option_text("TEXT REQUIRED");
   command.add_option("--config", arguments.config_file,
                      "YAML file with values for any of these options; the command line goes first");
   AddDatasetOptions(command, arguments.frames);
   command
       .add_option("--trajectory-format", arguments.places.trajectory_format,
                   "Format of the trajectories: tum, euroc or kitti")
-      ->check(CLI::IsMember({"tum", "euroc", "kitti"}))
+      ->check(OneOf({"tum", "euroc", "kitti"}))
       ->capture_default_str();
   command.add_option("--map", arguments.places.map,
                      "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
@@ -266,8 +269,8 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   }
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);
-  std::cout << records.metrics.Summary(context) << "results: " << arguments.places.folder.string()
-            << '\n';
+  std::cout << records.metrics.Summary(context)
+            << "results: " << OneLine(arguments.places.folder.string()) << '\n';
   if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
     throw Error(first);
   }
@@ -286,6 +289,9 @@ void AddRunCommand(CLI::App& app) {
     const std::map<std::string, bool> given = OptionsGiven(*command);
     if (!arguments->config_file.empty()) {
       ApplyYamlConfig(*command, arguments->config_file);
+    }
+    if (arguments->places.folder.empty()) {
+      throw CLI::RequiredError("--output");  // Which the file may give.
     }
     Run(*arguments, *command, given);
   });

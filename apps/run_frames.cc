@@ -3,8 +3,8 @@
 #include <array>
 #include <exception>
 #include <filesystem>
-#include <iostream>
 
+#include "command_line/message.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "interruption.h"
@@ -26,10 +26,10 @@ std::array<std::string, 2> ImageNames(const vo::Dataset& dataset, std::size_t in
 void Tell(const std::string& why, std::size_t left_out) {
   constexpr std::size_t kMostTold = 10;
   if (left_out <= kMostTold) {
-    std::cerr << "gluevo: warning: frame left out: " << why << '\n';
+    PrintMessage("gluevo: warning", "frame left out: " + why);
   }
   if (left_out == kMostTold) {
-    std::cerr << "gluevo: warning: more frames that are left out are named in metrics.json only\n";
+    PrintMessage("gluevo: warning", "more frames that are left out are named in metrics.json only");
   }
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "command_line/message.h"
 #include "evaluation_json.h"
 #include "evaluation_text.h"
 #include "gluevo/nn/isa.h"
@@ -257,10 +258,11 @@ std::string RunMetrics::Summary(const Context& context) const {
     text << InertialSentence(context) << '\n';
   }
   for (const std::string& warning : Warnings(context)) {
-    text << "warning: " << warning << '\n';
+    text << "warning: " << OneLine(warning) << '\n';
   }
   if (!context.evaluation_failure.empty()) {
-    text << "warning: the ground truth is not used: " << context.evaluation_failure << '\n';
+    text << "warning: the ground truth is not used: " << OneLine(context.evaluation_failure)
+         << '\n';
   }
   if (!context.evaluation_warning.empty()) {
     text << "warning: evaluation: " << context.evaluation_warning << '\n';

@@ -6,6 +6,8 @@
 #include <memory>
 #include <optional>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "gluevo/vo/simulation/pairs.h"
 #include "gluevo/vo/simulation/simulation.h"
@@ -54,7 +56,7 @@ void Simulate(const SimulateArguments& arguments) {
       simulation::Simulate(options, arguments.output, show);
     }
   }
-  std::cout << "data set: " << arguments.output.string() << '\n';
+  std::cout << "data set: " << OneLine(arguments.output.string()) << '\n';
 }
 
 void AddImageOptions(CLI::App& command, simulation::ImageOptions& options) {
@@ -88,7 +90,7 @@ void AddSimulateCommand(CLI::App& app) {
                    "Folder of the data set to make; must not exist")
       ->required();
   command->add_option("--path", options.path, "Path to fly")
-      ->check(CLI::IsMember(simulation::SimulationPaths()))
+      ->check(OneOf(simulation::SimulationPaths()))
       ->capture_default_str();
   command
       ->add_option("--trajectory", options.trajectory,
@@ -130,7 +132,7 @@ void AddSimulateCommand(CLI::App& app) {
                        "Instead of a sequence, make training data for matchers: so many rooms in 8 "
                        "views each, with exact correspondences, in HDF5 files (--seed, --width, "
                        "--height, --depth and --threads apply)")
-          ->check(CLI::Range(1, 1'000'000));
+          ->check(Within(1, 1'000'000));
   for (const char* option :
        {"--path", "--trajectory", "--start", "--from-takeoff", "--duration", "--rate", "--noise",
         "--exposure-change", "--vignetting", "--motion-blur", "--light", "--correspondences",
@@ -138,7 +140,7 @@ void AddSimulateCommand(CLI::App& app) {
     pairs->excludes(command->get_option(option));
   }
   command->add_option("--threads", options.threads, "Threads; default: one for each processor")
-      ->check(CLI::Range(1, 1024));
+      ->check(Within(1, 1024));
   command->footer(
       "Example:\n  gluevo simulate -o data/hall --path hall_loop --duration 20\n"
       "  gluevo simulate -o data/flight --trajectory MH_01.txt --from-takeoff "

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "command_line/message.h"
 #include "commands.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/weights.h"
@@ -19,17 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Texts of a file must not steer the terminal.
-std::string Printable(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(),
-      [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, ' ');
-  return text;
-}
-
 std::string MetadataOf(const nn::Weights& weights, const std::string& key) {
   const auto found = weights.metadata.find(key);
-  return found == weights.metadata.end() ? "" : Printable(found->second);
+  return found == weights.metadata.end() ? "" : OneLine(found->second);
 }
 
 // By a tensor that only this kind has. What is none of them is refused as a SuperPoint.
@@ -92,16 +85,16 @@ void Print(const std::string& name, const nn::Weights& weights, const std::strin
   const std::string licence = MetadataOf(weights, "licence");
   std::cout << "  " << name << ": " << network << ", " << sizes
             << "\n    licence: " << (licence.empty() ? "not stated" : licence) << "\n    "
-            << taken_by << '\n';
+            << OneLine(taken_by) << '\n';
 }
 
 void PrintFile(const fs::path& file) {
-  const std::string name = Printable(file.filename().string());
+  const std::string name = OneLine(file.filename().string());
   try {
     const nn::Weights weights = nn::ReadWeights(file);
     Print(name, weights, TakenBy(file, NetworkOf(weights), MetadataOf(weights, "features")));
   } catch (const Error& error) {
-    std::cout << "  " << name << ": cannot be used: " << error.what() << '\n';
+    std::cout << "  " << name << ": cannot be used: " << OneLine(error.what()) << '\n';
   }
 }
 
@@ -121,7 +114,7 @@ void ListWeights() {
   }
   std::sort(files.begin(), files.end());
   if (!folder.empty()) {
-    std::cout << folder.string() << '\n';
+    std::cout << OneLine(folder.string()) << '\n';
   }
   for (const fs::path& file : files) {
     PrintFile(file);

@@ -1,13 +1,13 @@
 #include "experiment_file.h"
 
-#include <yaml-cpp/yaml.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <set>
 
+#include "command_line/value_checks.h"
 #include "commands.h"
 #include "gluevo/nn/error.h"
+#include "options/yaml_text.h"
 
 namespace gluevo::apps {
 namespace {
@@ -19,6 +19,7 @@ class RunOptions {
  public:
   RunOptions() {
     AddRunCommand(app_);
+    CheckAllValues(app_);
     command_ = app_.get_subcommand("run");
   }
 
@@ -55,11 +56,11 @@ class Reader {
   explicit Reader(const fs::path& path) { file_.path = path; }
 
   ExperimentFile Read() {
-    const YAML::Node root = Load();
+    const YAML::Node root = ReadYamlText(file_.path);
     if (!root.IsMap()) {
       throw Error(file_.path.string() + ": expected a map with data and methods");
     }
-    CheckUnique(root);
+    CheckKeys(root, file_.path);
     for (const auto& entry : root) {
       const auto key = entry.first.as<std::string>();
       if (key == "title") {
@@ -88,18 +89,8 @@ class Reader {
   }
 
  private:
-  YAML::Node Load() const {
-    try {
-      return YAML::LoadFile(file_.path.string());
-    } catch (const YAML::BadFile&) {
-      throw Error(file_.path.string() + ": cannot be read");
-    } catch (const YAML::ParserException& error) {
-      throw Error(ExperimentPlace(file_.path, error.mark.line + 1) + ": not YAML: " + error.msg);
-    }
-  }
-
   static int Line(const YAML::Node& node) { return node.Mark().line + 1; }
-  std::string At(const YAML::Node& node) const { return ExperimentPlace(file_.path, Line(node)); }
+  std::string At(const YAML::Node& node) const { return YamlPlace(file_.path, node); }
 
   std::string Text(const YAML::Node& node, const std::string& key) const {
     if (!node.IsScalar() || node.Scalar().empty()) {
@@ -108,26 +99,13 @@ class Reader {
     return node.Scalar();
   }
 
-  // yaml-cpp lets keys occur twice.
-  void CheckUnique(const YAML::Node& map) const {
-    std::set<std::string> seen;
-    for (const auto& entry : map) {
-      if (!entry.first.IsScalar()) {
-        throw Error(At(entry.first) + ": expected a name before the colon");
-      }
-      if (!seen.insert(entry.first.Scalar()).second) {
-        throw Error(At(entry.first) + ": " + Quoted(entry.first.Scalar()) + " for the second time");
-      }
-    }
-  }
-
   // The entries of a map that are options, all but `keys`.
   std::vector<ExperimentOption> Options(const YAML::Node& node, const std::set<std::string>& keys,
                                         const std::string& what) const {
     if (!node.IsMap()) {
       throw Error(At(node) + ": " + what + ": expected a map of option names to values");
     }
-    CheckUnique(node);
+    CheckKeys(node, file_.path);
     std::vector<ExperimentOption> options;
     for (const auto& entry : node) {
       const std::string name = entry.first.Scalar();
@@ -148,7 +126,7 @@ class Reader {
     if (!node.IsMap()) {
       throw Error(At(node) + ": sweep: expected a map of option names to lists of values");
     }
-    CheckUnique(node);
+    CheckKeys(node, file_.path);
     for (const auto& entry : node) {
       ExperimentSweep sweep = {.name = entry.first.Scalar(), .values = {}, .line = 0};
       sweep.line = Line(entry.first);
@@ -225,7 +203,7 @@ class Reader {
     if (!node.IsMap()) {
       throw Error(At(node) + ": on: expected a map of data sets' names to options");
     }
-    CheckUnique(node);
+    CheckKeys(node, file_.path);
     for (const auto& entry : node) {
       method.on[entry.first.Scalar()] = Options(entry.second, {}, "on");
       named_data_.push_back({entry.first.Scalar(), "", Line(entry.first)});

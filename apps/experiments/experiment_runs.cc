@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "child_process.h"
+#include "command_line/message.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "interruption.h"
@@ -72,7 +73,8 @@ class Teller {
   void RunEnded(const PlannedRun& run, const std::string& how) {
     ++ended_;
     if (bar_ == nullptr) {
-      std::cerr << "run " << ended_ << '/' << total_ << "  " << run.Name() << ": " << how << '\n';
+      std::cerr << "run " << ended_ << '/' << total_ << "  " << OneLine(run.Name()) << ": "
+                << OneLine(how) << '\n';
     }
   }
   bool shows_bar() const { return bar_ != nullptr; }

@@ -1,9 +1,10 @@
 #include "dataset_options.h"
 
 #include <CLI/CLI.hpp>
-#include <iostream>
 #include <map>
 
+#include "command_line/message.h"
+#include "command_line/value_checks.h"
 #include "gluevo/nn/error.h"
 
 namespace gluevo::apps {
@@ -12,7 +13,7 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
   command
       .add_option("--format", arguments.format,
                   "Kind of the data set: euroc, kitti, kitti-raw or plain; default: recognised")
-      ->check(CLI::IsMember({"euroc", "kitti", "kitti-raw", "plain"}));
+      ->check(OneOf({"euroc", "kitti", "kitti-raw", "plain"}));
   command
       .add_option("--calibration", arguments.calibration,
                   "Calibration: a file of Kalibr, OpenCV, ROS, VINS-Fusion, ORB-SLAM, OpenVINS, "
@@ -31,15 +32,23 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
   command.add_option("--imu-calibration", arguments.imu_calibration,
                      "The unit's noise and mounting: EuRoC's sensor.yaml, Kalibr's imu.yaml, or a "
                      "file of VINS-Fusion or ORB-SLAM3; default: the data set's own");
-  command.add_option("--rate", arguments.rate_hz,
-                     "Images a second of a plain data set that has no times; default: 10, which is "
-                     "warned of");
-  command.add_option("--pair-tolerance", arguments.pair_tolerance_s,
-                     "How far the stamps of left and right image may be apart, seconds; default: a "
-                     "tenth of the time from image to image");
-  command.add_option("--start", arguments.start, "First frame")->capture_default_str();
-  command.add_option("--count", arguments.count, "Number of frames; default: all");
+  command
+      .add_option("--rate", arguments.rate_hz,
+                  "Images a second of a plain data set that has no times; default: 10, which is "
+                  "warned of")
+      ->check(Within(0.001, 1e6));
+  command
+      .add_option("--pair-tolerance", arguments.pair_tolerance_s,
+                  "How far the stamps of left and right image may be apart, seconds; default: a "
+                  "tenth of the time from image to image")
+      ->check(Within(0.0, 1e6));
+  command.add_option("--start", arguments.start, "First frame")
+      ->check(AtLeast(0))
+      ->capture_default_str();
+  command.add_option("--count", arguments.count, "Number of frames; default: all")
+      ->check(AtLeast(1));
   command.add_option("--stride", arguments.stride, "Take every so many-th frame")
+      ->check(AtLeast(1))
       ->capture_default_str();
 }
 
@@ -82,10 +91,10 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
 
 void PrintNotes(const vo::Dataset& dataset) {
   for (const std::string& note : dataset.notes) {
-    std::cerr << "gluevo: note: " << note << '\n';
+    PrintMessage("gluevo: note", note);
   }
   for (const std::string& warning : dataset.warnings) {
-    std::cerr << "gluevo: warning: " << warning << '\n';
+    PrintMessage("gluevo: warning", warning);
   }
 }
 

@@ -1,5 +1,6 @@
 #include "estimator_options.h"
 
+#include "command_line/value_checks.h"
 #include "option_group.h"
 
 namespace gluevo::apps {
@@ -14,19 +15,19 @@ void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
   estimator.Add("--iterations", window.max_iterations, "Of each bundle adjustment, at most");
   estimator
       .Add("--solver", window.solver, "Of the bundle adjustment: gluevo, or ceres to compare with")
-      ->check(CLI::IsMember({"gluevo", "ceres"}));
+      ->check(OneOf({"gluevo", "ceres"}));
   estimator.Add("--marginalize", window.marginalize,
                 "Whether frames that leave the window leave what they knew as a prior");
   estimator
       .Add("--right-turn-mrad", window.right_turn_sigma_mrad,
            "How well the calibration knows the right camera's orientation, milliradians; it is "
            "refined within that; 0: not at all")
-      ->check(CLI::NonNegativeNumber);
+      ->check(Within(0.0, 1e6));
   estimator
       .Add("--max-predicted", options.max_predicted_s,
            "Where nothing that was seen before is found again, poses are predicted for so many "
            "seconds before a new segment starts")
-      ->check(CLI::NonNegativeNumber);
+      ->check(Within(0.0, 1e6));
 }
 
 }  // namespace gluevo::apps

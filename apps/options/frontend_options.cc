@@ -1,5 +1,6 @@
 #include "frontend_options.h"
 
+#include "command_line/value_checks.h"
 #include "network_options.h"
 #include "option_group.h"
 
@@ -13,7 +14,7 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
            "Front end: superglue (SuperPoint and SuperGlue, or --features and --matcher), "
            "superpoint (corners and optical flow, matched from left to right by SuperPoint's "
            "descriptors, or those of --features) or klt (corners and optical flow)")
-      ->check(CLI::IsMember({"superglue", "superpoint", "klt"}));
+      ->check(OneOf({"superglue", "superpoint", "klt"}));
   AddFeaturesOption(command, frontend.features);
   AddMatcherOption(command, frontend.matcher);
   // What goes with the features' default; the presets replace it.
@@ -23,10 +24,14 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
 
   OptionGroup tuning(command, "Tuning");
   vo::LearnedFrontEndOptions& learned = frontend.learned;
-  tuning.Add("--tracking-threshold", learned.tracking_threshold,
-             "Confidence of a match from the previous left image; LightGlue's is 0.1");
-  tuning.Add("--stereo-threshold", learned.stereo_threshold,
-             "Confidence of a match from left to right; LightGlue's is 0.1");
+  tuning
+      .Add("--tracking-threshold", learned.tracking_threshold,
+           "Confidence of a match from the previous left image; LightGlue's is 0.1")
+      ->check(Share());
+  tuning
+      .Add("--stereo-threshold", learned.stereo_threshold,
+           "Confidence of a match from left to right; LightGlue's is 0.1")
+      ->check(Share());
   tuning.Add("--max-epipolar-error", learned.max_epipolar_error_px,
              "Largest distance of a stereo match from its epipolar line, pixels");
   tuning.Add("--min-distance", learned.min_distance_px,
@@ -35,7 +40,7 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
       .Add("--refine", frontend.refine,
            "Keypoints below the pixel: none (ALIKED's are there already), subpixel (peaks of "
            "SuperPoint's scores) or lk (optical flow between matched points)")
-      ->check(CLI::IsMember({"none", "subpixel", "lk"}));
+      ->check(OneOf({"none", "subpixel", "lk"}));
   tuning.Add("--min-confirmed-share", learned.min_confirmed_share,
              "With --refine lk, matches that optical flow does not confirm are dropped where it "
              "confirms this share");
@@ -51,7 +56,7 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
   tuning
       .Add("--superglue-every", learned.network_every,
            "Run the networks on every so many-th frame at least, optical flow between")
-      ->check(CLI::Range(1, 1000));
+      ->check(Within(1, 1000));
   tuning.Add("--klt-corners", frontend.klt.max_corners, "Corners of the klt method");
 }
 

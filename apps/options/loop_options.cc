@@ -1,5 +1,6 @@
 #include "loop_options.h"
 
+#include "command_line/value_checks.h"
 #include "option_group.h"
 
 namespace gluevo::apps {
@@ -10,8 +11,7 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config) {
       .Add("--loops", config.is_on,
            "on: recognise places that were seen before, and write trajectory_optimized, which fits "
            "them; the other results stay as they are without")
-      ->transform(
-          CLI::CheckedTransformer(std::map<std::string, bool>{{"off", false}, {"on", true}}))
+      ->check(OneOf({"off", "on"}))
       ->default_str("off");
   loops.Add("--codebook", config.codebook,
             "Of places, made by gluevo codebook; without one that of the built-in SuperPoint");

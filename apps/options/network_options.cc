@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "command_line/value_checks.h"
 #include "option_group.h"
 
 namespace gluevo::apps {
@@ -12,6 +13,7 @@ constexpr const char* kKeypointThresholdHelp =
 
 void AddMaxKeypointsOption(CLI::App& command, int& max_keypoints) {
   command.add_option("--max-keypoints", max_keypoints, "At most so many keypoints an image")
+      ->check(AtLeast(1))
       ->capture_default_str();
 }
 
@@ -34,15 +36,15 @@ void AddNetworkOptions(CLI::App& command, vo::NetworkFiles& files, int& threads)
       .add_option("--precision", files.precision,
                   "Of SuperGlue's matrix products: float, or bf16, which is faster on CPUs with "
                   "AVX512_BF16 (the other networks are always float)")
-      ->check(CLI::IsMember({"float", "bf16"}))
+      ->check(OneOf({"float", "bf16"}))
       ->capture_default_str();
   command.add_option("--threads", threads, "Threads; default: one for each processor")
-      ->check(CLI::Range(1, 1024));
+      ->check(Within(1, 1024));
 }
 
 void AddFeaturesOption(CLI::App& command, std::string& features) {
   command.add_option("--features", features, "What finds and describes keypoints")
-      ->check(CLI::IsMember({"superpoint", "aliked"}))
+      ->check(OneOf({"superpoint", "aliked"}))
       ->capture_default_str();
 }
 
@@ -51,27 +53,32 @@ void AddMatcherOption(CLI::App& command, std::string& matcher) {
       .add_option("--matcher", matcher,
                   "What matches keypoints: superglue, lightglue, or nn for mutual nearest "
                   "neighbours; default: superglue for SuperPoint, lightglue for ALIKED")
-      ->check(CLI::IsMember({"superglue", "lightglue", "nn"}));
+      ->check(OneOf({"superglue", "lightglue", "nn"}));
 }
 
 void AddLightGlueOptions(CLI::App& command, nn::LightGlueOptions& options) {
   OptionGroup tuning(command, "Tuning");
-  tuning.Add("--depth-confidence", options.depth_confidence,
-             "LightGlue runs no more layers once more than this share of the keypoints is sure of "
-             "its match; 0: all layers");
-  tuning.Add("--width-confidence", options.width_confidence,
-             "Keypoints leave LightGlue that have, with more than this confidence, no match; 0: "
-             "none leaves");
+  tuning
+      .Add("--depth-confidence", options.depth_confidence,
+           "LightGlue runs no more layers once more than this share of the keypoints is sure of "
+           "its match; 0: all layers")
+      ->check(Share());
+  tuning
+      .Add("--width-confidence", options.width_confidence,
+           "Keypoints leave LightGlue that have, with more than this confidence, no match; 0: "
+           "none leaves")
+      ->check(Share());
 }
 
 void AddKeypointOptions(CLI::App& command, vo::KeypointOptions& options) {
   command.add_option("--keypoint-threshold", options.keypoint_threshold, kKeypointThresholdHelp)
+      ->check(Share())
       ->capture_default_str();
   AddMaxKeypointsOption(command, options.max_keypoints);
 }
 
 void AddKeypointOptions(CLI::App& command, std::optional<float>& threshold, int& max_keypoints) {
-  command.add_option("--keypoint-threshold", threshold, kKeypointThresholdHelp);
+  command.add_option("--keypoint-threshold", threshold, kKeypointThresholdHelp)->check(Share());
   AddMaxKeypointsOption(command, max_keypoints);
 }
 

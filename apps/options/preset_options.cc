@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <vector>
 
+#include "command_line/value_checks.h"
 #include "gluevo/vo/pipeline/presets.h"
 
 namespace gluevo::apps {
@@ -45,7 +46,7 @@ void AddPresetOption(CLI::App& command, std::string& preset) {
       .add_option("--preset", preset,
                   "Values of options that nothing else gives: " + list +
                       "; default: by the kind of data set")
-      ->check(CLI::IsMember(names));
+      ->check(OneOf(names));
 }
 
 std::map<std::string, bool> OptionsGiven(const CLI::App& command) {

@@ -1,12 +1,11 @@
 #include "yaml_config.h"
 
-#include <yaml-cpp/yaml.h>
 #include <CLI/CLI.hpp>
-
 #include <string>
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "yaml_text.h"
 
 namespace gluevo::apps {
 namespace {
@@ -42,21 +41,14 @@ std::vector<std::string> ValuesFor(const CLI::Option& option, const YAML::Node& 
 }  // namespace
 
 void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
-  const auto at_line = [&](int line) { return file.string() + ":" + std::to_string(line + 1); };
-  YAML::Node root;
-  try {
-    root = YAML::LoadFile(file.string());
-  } catch (const YAML::BadFile&) {
-    throw Error(file.string() + ": cannot be read (--config)");
-  } catch (const YAML::ParserException& error) {
-    throw Error(at_line(error.mark.line) + ": not YAML: " + error.msg);
-  }
+  const YAML::Node root = ReadYamlText(file);
   if (!root.IsMap()) {
     throw Error(file.string() + ": expected a map of option names to values");
   }
+  CheckKeys(root, file);
   for (const auto& entry : root) {
-    const std::string where = at_line(entry.first.Mark().line);
-    const auto name = entry.first.as<std::string>();
+    const std::string where = YamlPlace(file, entry.first);
+    const std::string& name = entry.first.Scalar();
     CLI::Option* const option = command.get_option_no_throw("--" + name);
     if (option == nullptr || name == "config" || name == "help") {
       throw Error(where + ": unknown option " + Quoted(name) +

@@ -137,5 +137,44 @@ TEST_F(FilesOfInputsTest, AreNotReplacedByOtherCommands) {
              "a file is there that is not an SVG file");
 }
 
+// Files of the same kind that somebody else made are kept; a command's own are replaced.
+TEST_F(FilesOfInputsTest, AreNotReplacedWhereSomebodyElseMadeThem) {
+  const auto expect_own = [&](const std::string& arguments, const std::string& file) {
+    SCOPED_TRACE(arguments);
+    fs::remove(file);
+    for (int i = 0; i < 2; ++i) {
+      const Outcome outcome = Run(arguments);
+      EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    }
+  };
+  const std::string foreign = Write("other.yaml", Camchain(320, 240));
+  const std::string kalibr =
+      "calibration " + Calibration("chain.yaml") + " --write kalibr -o " + foreign;
+  ExpectKept(kalibr, foreign, "a file is there that is not a calibration that gluevo wrote");
+  expect_own(kalibr, foreign);
+  fs::create_directories(Path("rig/cam1"));
+  const std::string sensor = Write("rig/cam1/sensor.yaml", "sensor_type: camera\n");
+  const std::string euroc =
+      "calibration " + Calibration("chain.yaml") + " --write euroc -o " + Path("rig");
+  ExpectKept(euroc, sensor, "a file is there that is not a calibration that gluevo wrote");
+  EXPECT_FALSE(fs::exists(Path("rig/cam0/sensor.yaml")));
+  expect_own(euroc, sensor);
+  const std::string tensors = Write("tensors.safetensors", "somebody's");
+  const std::string bench =
+      "bench --network superglue --layers 1 --keypoints 8 --rounds 1 --threads 1 --output " +
+      tensors;
+  ExpectKept(bench, tensors, "a file is there that is not a file of gluevo bench");
+  expect_own(bench, tensors);
+  const std::string image = Path("a.png");
+  const std::string photo = Path("photo.png");
+  for (const std::string& file : {image, photo}) {
+    cv::imwrite(file, cv::Mat(64, 64, CV_8UC1, cv::Scalar(90)));
+  }
+  const std::string match = "match " + image + " " + image + " --draw ";
+  ExpectKept(match + photo, photo, "a file is there that is not a drawing of gluevo match");
+  expect_own(match + photo, photo);
+  EXPECT_EQ(cv::imread(photo).cols, 128);
+}
+
 }  // namespace
 }  // namespace gluevo::apps

@@ -143,7 +143,7 @@ TEST_F(EvaluateTest, SaysHowItReadTheFiles) {
   EXPECT_EQ(json["estimate_poses"], 4);
   EXPECT_NEAR(json["ate_se3_m"], 0.0, 1e-12);
   ASSERT_EQ(json["warnings"].size(), 1U);
-  EXPECT_EQ(outcome.error, "note: " + json["warnings"][0].get<std::string>() + "\n");
+  EXPECT_EQ(outcome.error, "gluevo: note: " + json["warnings"][0].get<std::string>() + "\n");
   EXPECT_NE(outcome.error.find("e.csv: 1 row (first in line 5)"), std::string::npos);
 }
 

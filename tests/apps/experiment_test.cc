@@ -377,6 +377,10 @@ TEST_F(ExperimentTest, RefusesWhatItDoesNotUnderstand) {
   const Outcome absent = Run("experiment " + Path("none.yaml") + " -o " + Path("out"));
   EXPECT_EQ(absent.exit_code, 1);
   EXPECT_NE(absent.error.find("none.yaml: cannot be read"), std::string::npos) << absent.error;
+  const Outcome folder = Run("experiment " + Path("") + " -o " + Path("out"));
+  EXPECT_EQ(folder.exit_code, 1);
+  EXPECT_NE(folder.error.find(Path("") + ": is a folder, expected a file"), std::string::npos)
+      << folder.error;
   EXPECT_EQ(Run("experiment").exit_code, 2);
   EXPECT_EQ(Run("experiment a.yaml -o b --jobs 0").exit_code, 2);
 }

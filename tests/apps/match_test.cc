@@ -82,6 +82,51 @@ TEST_F(MatchTest, BadInputIsNamed) {
   EXPECT_FALSE(fs::exists(Path("y.h5")));
 }
 
+TEST_F(MatchTest, AHomographyMapsImagesToImages) {
+  MakeImages();
+  const std::string match = "match " + Path("images/a.png") + " " + Path("images/sub/b.png") +
+                            " --matcher nn --max-keypoints 20 --homography ";
+  for (const std::string text :
+       {"0 0 0 0 0 0 0 0 0", "1 0 5 1 0 5 0 0 1", "nan 0 0 0 1 0 0 0 1", "1 0 0 0 1 0 0 0",
+        "%YAML:1.0\n---\nH: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
+        "  data: [0, 0, 0, 0, 0, 0, 0, 0, 0]\n"}) {
+    const Outcome outcome = Run(match + Write("h.txt", text));
+    EXPECT_EQ(outcome.exit_code, 1) << text;
+    EXPECT_NE(outcome.error.find("h.txt: no homography"), std::string::npos) << outcome.error;
+  }
+  EXPECT_EQ(Run(match + Write("h.txt", "1e-9 0 0 0 1e-9 0 0 0 1e-9\n")).exit_code, 0);
+  EXPECT_EQ(Run(match + Write("h.txt", "1 0 -20000 0 1 9000 0 0 1\n")).exit_code, 0);
+  EXPECT_EQ(Run(match + Write("h.yml",
+                              "%YAML:1.0\n---\nH: !!opencv-matrix\n  rows: 3\n  cols: 3\n  dt: d\n"
+                              "  data: [1, 0, -8, 0, 1, 0, 0, 0, 1]\n"))
+                .exit_code,
+            0);
+}
+
+// A device has no end; a pipe has one.
+TEST_F(MatchTest, DevicesAreNoInputs) {
+  MakeImages();
+  ASSERT_EQ(Run("extract " + Path("images") + " -o " + Path("features.h5")).exit_code, 0);
+  const std::string image = Path("images/a.png");
+  const std::string to = " -o " + Path("matches.h5");
+  for (const std::string& arguments :
+       {"match " + Path("features.h5") + " --pairs /dev/zero" + to,
+        "match /dev/zero --pairs " + Write("pairs.txt", "a.png sub/b.png\n") + to,
+        "match " + image + " /dev/zero", "match " + image + " " + image + " --homography /dev/zero",
+        std::string("calibration /dev/zero"), std::string("evaluate /dev/zero /dev/zero"),
+        "experiment /dev/zero -o " + Path("out"),
+        "run " + Path("images") + " --config /dev/zero -o " + Path("out")}) {
+    const Outcome outcome = RunProgram("timeout 60 " + std::string(GLUEVO_PROGRAM), arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << arguments;
+    EXPECT_NE(outcome.error.find("/dev/zero: is a device or a pipe, expected a file"),
+              std::string::npos)
+        << arguments << ": " << outcome.error;
+  }
+  const Outcome pipe = RunProgram("cat " + Path("pairs.txt") + " | " + GLUEVO_PROGRAM,
+                                  "match " + Path("features.h5") + " --pairs /dev/stdin" + to);
+  EXPECT_EQ(pipe.exit_code, 0) << pipe.error;
+}
+
 TEST_F(MatchTest, ListsOfPairsInTheFormsOfOtherTools) {
   MakeImages();
   ASSERT_EQ(Run("extract " + Path("images") + " -o " + Path("features.h5")).exit_code, 0);

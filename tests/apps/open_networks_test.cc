@@ -196,7 +196,6 @@ TEST_F(OpenNetworksTest, PairsThatDoNotFitAreRefusedByName) {
   ExpectRefused(
       run + "--matcher lightglue --lightglue " + lightglue,
       "a LightGlue for descriptors of 64 values cannot match those of built-in superpoint");
-  ExpectRefused(run + both + lightglue + " --depth-confidence 1", "depth confidence");
   EXPECT_FALSE(fs::exists(Path("out")));
   // A folder with two that could be meant.
   SaveAliked("folder/aliked-n32.safetensors");

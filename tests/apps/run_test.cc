@@ -131,6 +131,22 @@ TEST_F(RunTest, SaysWhereEachOptionsValueComesFrom) {
   EXPECT_EQ(metrics["option_origins"]["max-keypoints"], "method");
 }
 
+TEST_F(RunTest, TheFileOfOptionsMayNameTheOutput) {
+  const fs::path root = MakeKitti();
+  const std::string config = Write("config.yaml", "output: " + Path("named") + "\nmethod: klt\n");
+  const Outcome outcome = Run("run " + root.string() + " --config " + config);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  const auto metrics = nlohmann::json::parse(Contents(Path("named/metrics.json")));
+  EXPECT_EQ(metrics["options"]["output"], Path("named"));
+  EXPECT_EQ(metrics["option_origins"]["output"], "file");
+  // The command line goes before it, and one of them must.
+  EXPECT_EQ(Run("run " + root.string() + " --config " + config + " -o " + Path("o")).exit_code, 0);
+  EXPECT_TRUE(fs::exists(Path("o/metrics.json")));
+  const Outcome neither = Run("run " + root.string());
+  EXPECT_EQ(neither.exit_code, 2);
+  EXPECT_NE(neither.error.find("--output is missing"), std::string::npos) << neither.error;
+}
+
 TEST_F(RunTest, AnOptionGivenTwiceIsAList) {
   const fs::path data = Path("flight");
   ASSERT_EQ(
@@ -313,9 +329,14 @@ TEST_F(RunTest, RefusesBrokenWeightsAndOptions) {
   ExpectRefused(root + " --weights " + Path(""), "no superpoint.safetensors");
   Write("run.yaml", "method: klt\nwindows: 3\n");
   ExpectRefused(root + " --config " + Path("run.yaml"), "run.yaml:2");
+  Write("run.yaml", "method: klt\nwindow: 9\nwindow: 10\n");
+  ExpectRefused(root + " --config " + Path("run.yaml"), "run.yaml:3: \"window\" for the second");
+  Write("run.yaml", "window: many\n");
+  ExpectRefused(root + " --config " + Path("run.yaml"),
+                "run.yaml:1: --window: expected a whole number, got \"many\"");
+  ExpectRefused(root + " --config " + Path(""), Path("") + ": is a folder, expected a file");
   ExpectRefused(root + " --start 9", "--start");
   ExpectRefused(root + " --groundtruth " + Path("none.txt"), "none.txt");
-  ExpectRefused(root + " --max-keypoints 0", "keypoints");
   setenv("GLUEVO_ISA", "mmx", 1);
   ExpectRefused(root, "GLUEVO_ISA=mmx");
   unsetenv("GLUEVO_ISA");

@@ -30,7 +30,8 @@ TEST_F(SimulateTest, BadOptionsGetOneClearLine) {
   ExpectRefused("--light 2", "light");
   ExpectRefused("--motion-blur 1000", "motion blur");
   ExpectRefused("--exposure-change 9", "exposure");
-  ExpectRefused("--vignetting nan", "vignetting");
+  ExpectRefused("--vignetting 2", "--vignetting");
+  ExpectRefused("--vignetting nan", "--vignetting", 2);
   ExpectRefused("--start -2", "start");
   ExpectRefused("--movers -2", "movers");
   ExpectRefused("--movers 2 --movers-cover 0.8", "share");

@@ -39,6 +39,10 @@ TEST_F(StandardStreamsTest, OutputThatFailsIsAnError) {
         EXPECT_NE(Contents(Path("error")).find("gluevo: error: standard output: cannot be written"),
                   std::string::npos)
             << Contents(Path("error"));
+        if (to == ">/dev/full") {
+          EXPECT_NE(Contents(Path("error")).find(": No space left on device"), std::string::npos)
+              << Contents(Path("error"));
+        }
       }
     }
   }

@@ -35,7 +35,7 @@ function room_of(header, parts) {
   split(header, parts, "/")
   if (parts[2] == "vo") return parts[3]
   if (parts[2] == "weights_tools") return "weights_tools"
-  return header ~ /^gluevo\/nn\/(error|output_file|stand_in)\.h$/ ? "nn_base" : "nn"
+  return header ~ /^gluevo\/nn\/(error|output_file|replaced_file|stand_in)\.h$/ ? "nn_base" : "nn"
 }
 
 function complain(why) {

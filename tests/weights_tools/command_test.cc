@@ -205,6 +205,51 @@ TEST_F(WeightsCommandTest, VerifyTellsTheSameNetworkFromAnother) {
   EXPECT_EQ(Run("verify " + Path("two") + " " + glue + " --heads 2").exit_code, 0);
 }
 
+TEST_F(WeightsCommandTest, WhatSomebodyElseMadeIsNotReplaced) {
+  const std::string in = Save("in.safetensors", SmallSuperPoint());
+  for (const std::string& file :
+       {Save("other.safetensors", SmallSuperGlue()), Write("notes", "notes")}) {
+    const std::string before = Contents(file);
+    ExpectRefused("convert " + in + " -o " + file,
+                  file + ": cannot be written: a file is there that is not what gluevo-weights");
+    EXPECT_EQ(Contents(file), before);
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_EQ(Run("convert " + in + " -o " + Path("own.safetensors")).exit_code, 0);
+  }
+}
+
+TEST_F(WeightsCommandTest, WhatCannotBePrintedIsAnError) {
+  const std::string in = Save("in.safetensors", SmallSuperPoint());
+  for (const std::string& arguments :
+       {std::string("--help"), std::string("--version"), std::string("convert --help"),
+        "inspect " + in, "verify " + in + " " + in}) {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome =
+        RunProgram("sh", "-c '" GLUEVO_PROGRAM " " + arguments + " >/dev/full'");
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.error,
+              "gluevo-weights: error: standard output: cannot be written: No space left on "
+              "device\n");
+  }
+}
+
+TEST_F(WeightsCommandTest, BadUsageIsOneLine) {
+  for (const auto& [arguments, text] :
+       {std::pair{"convert x",
+                  "--output is missing, expected: The .safetensors file to write, or a folder"},
+        std::pair{"colour x", "\"colour\" is no command, expected one of convert, inspect"},
+        std::pair{"inspect x y", "\"y\" is one argument too many, expected FILE"},
+        std::pair{"convert x -o ''", "--output: expected a file or a folder"},
+        std::pair{"get other", "NAME: expected aliked-n16, aliked-n16rot"},
+        std::pair{"convert x -o y --heads 4.5", "--heads: expected a whole number, got"}}) {
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, 2) << arguments;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+    EXPECT_EQ(outcome.error.find('\n'), outcome.error.size() - 1) << outcome.error;
+  }
+}
+
 TEST_F(WeightsCommandTest, BadUsageIsExitCodeTwo) {
   for (const char* arguments :
        {"", "convert", "convert x", "inspect", "colour x", "inspect x y", "convert x -o ''"}) {

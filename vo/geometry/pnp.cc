@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <random>
 
+#include "gluevo/vo/core/median.h"
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/geometry/eigen_solvers.h"
@@ -104,6 +106,22 @@ Hypothesis Refine(const StereoRig& rig, Hypothesis best,
     }
   }
   return best;
+}
+
+double MedianError(const StereoRig& rig, const Rigid3& world_from_body,
+                   std::span<const PnpObservation> observations, double weight) {
+  const PosedRig posed(rig, world_from_body);
+  std::vector<double> errors;
+  errors.reserve(observations.size());
+  for (const PnpObservation& observation : observations) {
+    ViewResidual left;
+    errors.push_back(Residual(posed.left, observation.point, observation.left, weight, left)
+                         ? std::sqrt(std::max(0.0, Mahalanobis(left.error.squaredNorm(),
+                                                               left.error.dot(left.by_depth),
+                                                               left.by_depth.squaredNorm())))
+                         : std::numeric_limits<double>::infinity());
+  }
+  return Median(std::move(errors));
 }
 
 // Draws observations in proportion to their votes; the distributions of <random> differ between
@@ -237,7 +255,8 @@ std::optional<PnpResult> SolvePnp(const StereoRig& rig,
                    best.votes / ballot.all(),
                    WorstSigma(covariance.topLeftCorner<3, 3>()),
                    WorstSigma(covariance.bottomRightCorner<3, 3>()),
-                   InAxesOfBody(covariance, best.world_from_body)};
+                   InAxesOfBody(covariance, best.world_from_body),
+                   options.noise_px * MedianError(rig, best.world_from_body, observations, weight)};
   const bool certain = result.position_sigma_m <= options.max_position_sigma_m &&
                        result.rotation_sigma_rad <= options.max_rotation_sigma_rad;
   if (!certain || result.inliers < options.min_inliers) {

@@ -7,6 +7,7 @@
 #include "calibration_forms.h"
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/io/whole_file.h"
 #include "text_file.h"
 #include "xml_file.h"
 #include "yaml_file.h"
@@ -240,7 +241,7 @@ Calibration ReadCalibration(const std::vector<fs::path>& files,
       throw Error(path.string() + (fs::is_directory(path)
                                        ? ": a folder, expected the file of one camera beside that "
                                          "of the other one"
-                                       : ": no such file (calibration)"));
+                                       : ": " + WhyNoFile(path) + " (calibration)"));
     }
     input.named.push_back(std::move(*file));
   }

@@ -157,9 +157,9 @@ void DatasetOptions::Validate() const {
     throw Error("stride " + std::to_string(stride) +
                 " is out of range: expected at least 1 (--stride)");
   }
-  if (rate_hz && !(*rate_hz > 0.0 && *rate_hz <= 1e6)) {
+  if (rate_hz && !(*rate_hz >= 1e-3 && *rate_hz <= 1e6)) {
     throw Error("rate " + std::to_string(*rate_hz) +
-                " is out of range: expected images a second, above 0 (--rate)");
+                " is out of range: expected 0.001 to 1e6 images a second (--rate)");
   }
   constexpr double kLongest = 1e6;
   if (pair_tolerance_s && !(*pair_tolerance_s >= 0.0 && *pair_tolerance_s <= kLongest)) {

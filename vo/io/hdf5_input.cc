@@ -7,6 +7,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/hdf5_file.h"
+#include "gluevo/vo/io/whole_file.h"
 
 namespace gluevo::vo::internal {
 namespace {
@@ -24,7 +25,7 @@ H5InputFile::H5InputFile(const std::filesystem::path& path) : path_(path) {
     throw Error(path.string() + ": a folder, expected an HDF5 file");
   }
   if (!std::filesystem::is_regular_file(path, code)) {
-    throw Error(path.string() + ": no such file");
+    throw Error(path.string() + ": " + WhyNoFile(path));
   }
   file_ = H5Handle(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (!file_.valid()) {

@@ -22,7 +22,8 @@ ImageBytes ReadBytes(const fs::path& file) {
     throw Error(file.string() + ": a folder, expected an image");
   }
   if (!fs::is_regular_file(file, ignored)) {
-    throw Error(file.string() + (fs::is_symlink(file, ignored)
+    throw Error(file.string() + (fs::exists(file, ignored) ? ": " + WhyNoFile(file)
+                                 : fs::is_symlink(file, ignored)
                                      ? ": no such image: a link to what is not there"
                                      : ": no such image"));
   }

@@ -94,6 +94,25 @@ bool NeverFalls(const std::vector<Date>& dates) {
   return grew;
 }
 
+// Whether numbers behind one and the same second are parts of it and count no images: all have the
+// digits of milli-, micro- or nanoseconds, and step on as images follow each other, which of
+// milliseconds is further than each tenth image's number does.
+bool StepAsPartsOfSeconds(const std::vector<Date>& dates) {
+  constexpr std::size_t kDecimals = 9;
+  const std::size_t digits = dates.front().fraction.size();
+  std::vector<int64_t> parts_ns;
+  parts_ns.reserve(dates.size());
+  for (const Date& date : dates) {
+    const std::string zeros(kDecimals - date.fraction.size(), '0');
+    parts_ns.push_back(ParseInteger(date.fraction + zeros).value_or(0));
+    if (date.fraction.size() != digits || digits == 0 || digits % 3 != 0) {
+      return false;
+    }
+  }
+  constexpr int64_t kMillisecondNs = 1'000'000;
+  return MedianStep(parts_ns) > (digits == 3 ? 10 : 1) * kMillisecondNs;
+}
+
 std::optional<NameNumbers> TimesOf(const std::vector<Date>& dates) {
   std::size_t most = 0;
   bool apart = false;
@@ -105,8 +124,8 @@ std::optional<NameNumbers> TimesOf(const std::vector<Date>& dates) {
     same_digits = same_digits && date.fraction.size() == dates.front().fraction.size();
     same_second = same_second && date.second == dates.front().second;
   }
-  // What goes on counting from second to second, or never leaves one, is no part of a second.
-  if (apart && (same_second || NeverFalls(dates))) {
+  // What goes on counting from second to second, or within one as images do, is no part of it.
+  if (apart && (same_second ? !StepAsPartsOfSeconds(dates) : NeverFalls(dates))) {
     return std::nullopt;
   }
   // Numbers of their own may be written without the zeros before them.

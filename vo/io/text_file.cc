@@ -89,13 +89,8 @@ void CheckEncoding(std::string_view text, const std::filesystem::path& path) {
 
 std::string ReadText(const std::filesystem::path& path) {
   std::error_code ignored;
-  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
-  if (!std::filesystem::exists(status)) {
-    throw Error(path.string() + ": no such file");
-  }
-  // A device may never end.
-  if (!std::filesystem::is_regular_file(status) && !std::filesystem::is_fifo(status)) {
-    throw Error(path.string() + ": not a file");
+  if (!std::filesystem::exists(path, ignored)) {
+    throw Error(path.string() + ": " + WhyNoFile(path));
   }
   return ReadWholeFile(path);
 }

@@ -10,11 +10,25 @@
 
 namespace gluevo::vo {
 
+std::string WhyNoFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  return !std::filesystem::exists(status)        ? "no such file"
+         : std::filesystem::is_directory(status) ? "is a folder, expected a file"
+                                                 : "is a device or a pipe, expected a file";
+}
+
 // Not a stream of the library: what its iterators throw for a read that fails names no file.
 std::string ReadWholeFile(const std::filesystem::path& path) {
   const auto fail = [&] {
     throw Error(path.string() + ": cannot be read: " + std::generic_category().message(errno));
   };
+  std::error_code ignored;
+  const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status) &&
+      !std::filesystem::is_fifo(status)) {
+    throw Error(path.string() + ": " + WhyNoFile(path));
+  }
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rbe"),
                                                              &std::fclose);
   if (file == nullptr) {

@@ -39,11 +39,11 @@ std::vector<PoseGraphEdge> Edges(const std::vector<LoopKeyframe>& keyframes,
 }  // namespace
 
 void LoopOptions::Validate() const {
-  CheckWithin(interval_s, 0.0, 1e9, "loops.interval_s");
-  CheckWithin(min_age_s, 0.0, 1e9, "loops.min_age_s");
+  CheckWithin(interval_s, 0.0, 1e9, "loops.interval_s (--loop-interval)");
+  CheckWithin(min_age_s, 0.0, 1e9, "loops.min_age_s (--loop-min-age)");
   CheckWithin(min_similarity, -1.0, 1.0, "loops.min_similarity");
   CheckWithin(min_similarity_share, 0.0, 1.0, "loops.min_similarity_share");
-  CheckAtLeast(max_candidates, 1, "loops.max_candidates");
+  CheckAtLeast(max_candidates, 1, "loops.max_candidates (--loop-candidates)");
   verification.Validate();
   consistency.Validate();
 }

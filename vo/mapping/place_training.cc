@@ -77,7 +77,7 @@ Rows Means(const Rows& all, const std::vector<Eigen::Index>& nearest, const Rows
 }  // namespace
 
 void PlaceTrainingOptions::Validate() const {
-  CheckAtLeast(centres, 1, "centres");
+  CheckAtLeast(centres, 1, "centres (--centres)");
   CheckAtLeast(iterations, 1, "iterations");
 }
 

@@ -42,6 +42,7 @@ Odometry::Odometry(const StereoRig& rig, const OdometryConfig& config)
       frontend_(MakeFrontEnd(config.frontend, rig, LoadFrontEndNetworks(config.frontend), *pool_)),
       options_(config.odometry),
       window_(std::make_unique<SlidingWindow>(rig, options_.window)),
+      noise_(options_.pnp.noise_px, options_.keypoint_noise),
       votes_(options_.votes) {}
 
 Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
@@ -50,6 +51,7 @@ Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
       frontend_(std::move(frontend)),
       options_(options),
       window_(std::make_unique<SlidingWindow>(rig, options.window)),
+      noise_(options.pnp.noise_px, options.keypoint_noise),
       votes_(options.votes) {
   options_.Validate();
 }
@@ -64,6 +66,7 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   options_ = other.options_;
   window_ = std::move(other.window_);
   history_ = other.history_;
+  noise_ = other.noise_;
   votes_ = std::move(other.votes_);
   navigation_ = std::move(other.navigation_);
   expected_ = other.expected_;
@@ -178,50 +181,9 @@ bool Odometry::Retry(TrackedFrame& tracked) {
   return true;
 }
 
-std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
-                                                    FrameResult& result) const {
-  if (window_->empty()) {
-    return std::nullopt;
-  }
-  std::vector<SlidingWindow::Correspondence> correspondences =
-      window_->Correspond(frame, FromReferencePx(options_.pnp.noise_px));
-  std::erase_if(correspondences, [&](const SlidingWindow::Correspondence& correspondence) {
-    return votes_.Moves(frame.observations[correspondence.observation].track_id);
-  });
-  std::vector<PnpObservation> observations;
-  std::vector<const Observation*> seen;
-  observations.reserve(correspondences.size());
-  seen.reserve(correspondences.size());
-  for (const SlidingWindow::Correspondence& correspondence : correspondences) {
-    observations.push_back(correspondence.pnp);
-    seen.push_back(&frame.observations[correspondence.observation]);
-  }
-  votes_.Assign(seen, rig_.cameras[0].width, observations);
-  result.tracked = static_cast<int>(observations.size());
-  const std::optional<PnpResult> pnp =
-      SolvePnp(window_->rig(), observations, Guesses(frame.timestamp_ns), options_.pnp);
-  if (!pnp) {
-    return std::nullopt;
-  }
-  if (!IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
-    result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
-    return std::nullopt;
-  }
-  if (Contradicts(*pnp)) {
-    result.is_refused_by_inertia = true;
-    return std::nullopt;
-  }
-  result.is_doubtful = pnp->vote_share < options_.votes.doubtful_share;
-  FramePose pose{pnp->world_from_body, pnp->inliers, {}};
-  pose.verdicts.resize(frame.observations.size());
-  for (std::size_t i = 0; i < correspondences.size(); ++i) {
-    pose.verdicts[correspondences[i].observation] = pnp->verdicts[i];
-  }
-  return pose;
-}
-
 void Odometry::Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result) {
   votes_.Learn(tracked, pose.verdicts);
+  noise_.Learn(pose.median_error_px);
   TrackedFrame kept{tracked.timestamp_ns, {}, {}};
   std::vector<std::optional<PnpVerdict>> verdicts;
   kept.observations.reserve(tracked.observations.size());

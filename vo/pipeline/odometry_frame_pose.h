@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/pipeline/odometry.h"
@@ -15,6 +14,7 @@ struct Odometry::FramePose {
   Rigid3 world_from_body;
   int inliers = 0;
   std::vector<std::optional<PnpVerdict>> verdicts;  // One an observation, where it was judged.
+  double median_error_px = 0.0;                     // As in PnpResult.
 };
 
 }  // namespace gluevo::vo

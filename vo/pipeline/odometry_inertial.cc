@@ -86,7 +86,7 @@ std::optional<Odometry::FramePose> Odometry::Bridge(const TrackedFrame& frame) c
                         options_.inertial.max_bridge_sigma_m) {
     return std::nullopt;
   }
-  FramePose pose{expected_->world_from_body, 0, {}};
+  FramePose pose{expected_->world_from_body, 0, {}, 0.0};
   // What was matched was matched wrongly.
   pose.verdicts.assign(frame.observations.size(), PnpVerdict::kOutlier);
   return pose;

@@ -50,7 +50,7 @@ void PairOptions::Validate() const {
   };
   check(rooms >= 1 && rooms <= 1'000'000, "the number of rooms must be 1 to 1000000");
   check(width >= 64 && width <= 4096 && height >= 64 && height <= 4096,
-        "the sides of simulated images must be 64 to 4096 pixels");
+        "the sides of simulated images must be 64 to 4096 pixels (--width, --height)");
   check(threads >= 0 && threads <= 1024, "the number of threads must be 0 (all) to 1024");
 }
 

@@ -115,11 +115,14 @@ void ImageOptions::Validate() const {
   const auto check = [](double value, double low, double high, const std::string& what) {
     if (!(value >= low && value <= high)) throw Error("simulated images: " + what);
   };
-  check(noise, 0.0, 100.0, "the noise must be 0 to 100 gray levels");
-  check(exposure_change, 0.0, 4.0, "the change of exposure must be 0 to 4 stops");
-  check(vignetting, 0.0, 1.0, "the light lost by vignetting must be a share of 0 to 1");
-  check(motion_blur_ms, 0.0, 100.0, "the exposure time of motion blur must be 0 to 100 ms");
-  check(light, 0.001, 1.0, "the light must be 0.001 to 1");
+  check(noise, 0.0, 100.0, "the noise must be 0 to 100 gray levels (--noise)");
+  check(exposure_change, 0.0, 4.0,
+        "the change of exposure must be 0 to 4 stops (--exposure-change)");
+  check(vignetting, 0.0, 1.0,
+        "the light lost by vignetting must be a share of 0 to 1 (--vignetting)");
+  check(motion_blur_ms, 0.0, 100.0,
+        "the exposure time of motion blur must be 0 to 100 ms (--motion-blur)");
+  check(light, 0.001, 1.0, "the light must be 0.001 to 1 (--light)");
 }
 
 void SimulationOptions::Validate() const {
@@ -127,19 +130,21 @@ void SimulationOptions::Validate() const {
   const auto check = [](bool good, const std::string& what) {
     if (!good) throw Error(what);
   };
-  check(start_s >= 0.0 && start_s <= 7200.0, "the start of a simulation must be 0 to 7200 s");
+  check(start_s >= 0.0 && start_s <= 7200.0,
+        "the start of a simulation must be 0 to 7200 s (--start)");
   check(!from_takeoff || !trajectory.empty(),
         "only a trajectory has a take-off to start from, expected one in place of a named path");
   check(!duration_s || (*duration_s > 0.0 && *duration_s <= 3600.0),
-        "the duration of a simulation must be above 0 and at most 3600 s");
+        "the duration of a simulation must be above 0 and at most 3600 s (--duration)");
   check(rate_hz > 0.0 && rate_hz <= 200.0,
-        "the rate of a simulation must be above 0 and at most 200 Hz");
+        "the rate of a simulation must be above 0 and at most 200 Hz (--rate)");
   check(width >= 64 && width <= 4096 && height >= 64 && height <= 4096,
-        "the sides of simulated images must be 64 to 4096 pixels");
+        "the sides of simulated images must be 64 to 4096 pixels (--width, --height)");
   image.Validate();
-  check(movers >= 0 && movers <= 1000, "the number of movers must be 0 to 1000");
-  check(movers_cover > 0.0 && movers_cover <= 0.5,
-        "the share of the image that a mover fills must be above 0 and at most 0.5");
+  check(movers >= 0 && movers <= 1000, "the number of movers must be 0 to 1000 (--movers)");
+  check(
+      movers_cover > 0.0 && movers_cover <= 0.5,
+      "the share of the image that a mover fills must be above 0 and at most 0.5 (--movers-cover)");
   check(movers == 0 || !correspondences,
         "correspondences are those of a scene at rest, expected no movers");
   check(threads >= 0 && threads <= 1024, "the number of threads must be 0 (all) to 1024");

@@ -14,6 +14,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/input_file.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/nn/zip.h"
 #include "gluevo/weights_tools/convert.h"
@@ -203,6 +204,7 @@ std::vector<FetchedWeights> Get(const std::string& name, const GetOptions& optio
   for (std::size_t i = 0; i < names.size(); ++i) {
     fetched[i].file = options.folder / (names[i] + ".safetensors");
     fetched[i].network = Find(names[i]).network;
+    nn::CheckReplacesOnly(fetched[i].file, kConvertedMark, "what gluevo-weights makes");
     nn::CheckPlaceForFile(fetched[i].file);
   }
   const TemporaryFolder temporary;

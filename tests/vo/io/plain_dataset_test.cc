@@ -153,6 +153,25 @@ TEST_F(PlainDatasetTest, ReadsDatesInNames) {
   EXPECT_EQ(TimesOf(numbered), (Times{0, kSecond / 10}));
 }
 
+TEST_F(PlainDatasetTest, DatesMayDifferWithinOneSecondOnly) {
+  const Times times = {1682942459 * kSecond + 50000000, 1682942459 * kSecond + 100000000,
+                       1682942459 * kSecond + 150000000};
+  for (const Names& names :
+       {Names{"20230501_120059_050.png", "20230501_120059_100.png", "20230501_120059_150.png"},
+        Names{"2023-05-01-12-00-59-050000.png", "2023-05-01-12-00-59-100000.png",
+              "2023-05-01-12-00-59-150000.png"},
+        Names{"20230501_120059_050000000.png", "20230501_120059_100000000.png",
+              "20230501_120059_150000000.png"}}) {
+    SCOPED_TRACE(names.front());
+    EXPECT_EQ(TimesOf(names), times);
+  }
+  // Each tenth image of a recording that began then.
+  EXPECT_EQ(TimesOf(Names{"20230501_120059_010.png", "20230501_120059_020.png"}),
+            (Times{0, kSecond / 10}));
+  EXPECT_EQ(TimesOf(Names{"20230501_120059_000001.png", "20230501_120059_000002.png"}),
+            (Times{0, kSecond / 10}));
+}
+
 TEST_F(PlainDatasetTest, CountersBehindDatesAreNoPartsOfSeconds) {
   const Names names = {"20230501_120050_0000.png", "20230501_120050_0001.png",
                        "20230501_120051_0002.png", "20230501_120051_0003.png"};

@@ -116,6 +116,25 @@ TEST(Odometry, OutliersDoNotShowInThePoses) {
   EXPECT_EQ(results.back().segment, 0);
 }
 
+TEST(Odometry, KeepsTracksOfBlurredImages) {
+  // What is off by 2.5 pixels in both coordinates is no outlier where everything is.
+  const auto frames = Observe(Flight(60), {.noise_px = 2.5});
+  const auto inlier_share = [&](const OdometryOptions& options) {
+    const auto results = RunOdometry(frames, options);
+    double tracked = 0.0;
+    double inliers = 0.0;
+    for (std::size_t i = 20; i < results.size(); ++i) {
+      tracked += results[i].tracked;
+      inliers += results[i].inliers;
+    }
+    return inliers / tracked;
+  };
+  EXPECT_GT(inlier_share({}), 0.93);
+  OdometryOptions fixed;
+  fixed.keypoint_noise = {.least_px = 1.5, .largest_px = 1.5};
+  EXPECT_LT(inlier_share(fixed), 0.9);
+}
+
 // Squared error of each motion since a key frame, in standard deviations; expected: one a degree of
 // freedom, six in all.
 std::vector<double> SquaredMotionErrors(const std::vector<FrameResult>& results,

@@ -4,11 +4,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gluevo/nn/weights.h"
 
 namespace gluevo::weights_tools {
+
+/// What files of converted weights have in their first 200 bytes, and others have not: an output
+/// replaces no others.
+inline constexpr std::string_view kConvertedMark = R"("converter":"gluevo-weights )";
 
 /// Texts for the metadata of a converted file; those that are not given come from the input's
 /// metadata of the same name.

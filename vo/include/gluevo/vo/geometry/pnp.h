@@ -67,6 +67,9 @@ struct PnpResult {
   double position_sigma_m = 0.0;     ///< In the worst direction.
   double rotation_sigma_rad = 0.0;
   PoseCovariance covariance = PoseCovariance::Zero();  ///< Of world_from_body, from the inliers.
+  /// Median over all observations, outliers too, of how far the left one is from where the pose
+  /// puts it, the points' depths marginalised; pixels of kReferenceFocalPx.
+  double median_error_px = 0.0;
 };
 
 /// Pose of a stereo rig from points whose depth is uncertain. Hypotheses are P3P solutions of the

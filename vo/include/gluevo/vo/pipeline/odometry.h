@@ -14,6 +14,7 @@
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
 #include "gluevo/vo/pipeline/inertial_navigation.h"
+#include "gluevo/vo/pipeline/keypoint_noise.h"
 #include "gluevo/vo/pipeline/motion_history.h"
 #include "gluevo/vo/pipeline/odometry_config.h"
 #include "gluevo/vo/pipeline/path_uncertainty.h"
@@ -71,6 +72,9 @@ class Odometry {
   bool Retry(TrackedFrame& tracked);
   /// Also says in `result` what it was located by.
   std::optional<FramePose> Locate(const TrackedFrame& frame, FrameResult& result) const;
+  /// The same where keypoints have a standard deviation of `noise_px`, of kReferenceFocalPx.
+  std::optional<FramePose> LocateWithin(double noise_px, const TrackedFrame& frame,
+                                        FrameResult& result) const;
   /// What the votes say of the frame's tracks, and what is left for the estimate.
   void Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result);
   /// Whether a frame that cannot be located is no reason to give up what is known.
@@ -111,6 +115,7 @@ class Odometry {
   OdometryOptions options_;
   std::unique_ptr<SlidingWindow> window_;  // Never absent.
   MotionHistory history_;
+  KeypointNoise noise_;
   TrackVotes votes_;
   std::unique_ptr<InertialNavigation> navigation_;  // Absent without an inertial unit.
   std::optional<Expectation> expected_;             // Of the frame in work.

@@ -3,12 +3,15 @@
 #include "gluevo/vo/estimator/sliding_window_options.h"
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/pipeline/inertial_options.h"
+#include "gluevo/vo/pipeline/keypoint_noise.h"
 #include "gluevo/vo/pipeline/track_votes.h"
 
 namespace gluevo::vo {
 
 struct OdometryOptions {
+  /// Its noise_px is the start of what the frames say, see `keypoint_noise`.
   PnpOptions pnp;
+  KeypointNoiseOptions keypoint_noise;
   SlidingWindowOptions window;
   VoteOptions votes;
   InertialOptions inertial;

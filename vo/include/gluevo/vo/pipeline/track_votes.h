@@ -24,8 +24,9 @@ struct VoteOptions {
   double cell_share = 0.125;
   /// A track that disagrees so often in sequence moves by itself, and is kept out of the estimate.
   /// Each pose that it agreed with before, up to full_after, is worth half a disagreement more.
-  /// 0: none is kept out.
-  int strikes = 1;
+  /// 0: none is kept out. Once is not enough: where a point's first stereo match was wrong it is
+  /// its landmark that disagrees, which starts anew from the next one.
+  int strikes = 2;
   /// Where the tracks that agree have a smaller share of all votes, a pose is doubtful.
   double doubtful_share = 0.5;
 

@@ -1,0 +1,107 @@
+// What a command line that asks for what there is not is answered: one line, and what was expected.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "apps/command_test.h"
+
+namespace gluevo::apps {
+namespace {
+
+class UsageTest : public CommandTest {
+ protected:
+  void ExpectRefused(const std::string& arguments, int exit_code, const std::string& phrase) const {
+    SCOPED_TRACE(arguments);
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.exit_code, exit_code);
+    EXPECT_EQ(outcome.out, "");
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+    EXPECT_EQ(outcome.error.rfind("gluevo: error: ", 0), 0U) << outcome.error;
+    EXPECT_NE(outcome.error.find(phrase), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.error.find("expected"), std::string::npos) << outcome.error;
+  }
+  void ExpectBadUsage(const std::string& arguments, const std::string& phrase) const {
+    ExpectRefused(arguments, 2, phrase);
+    EXPECT_NE(Run(arguments).error.find("; see gluevo "), std::string::npos) << arguments;
+  }
+};
+
+TEST_F(UsageTest, WhatThereIsNotIsNamed) {
+  ExpectBadUsage("", "no command, expected one of run, extract");
+  ExpectBadUsage("fly data", "\"fly\" is no command, expected one of run, extract");
+  ExpectBadUsage("run", "DATASET is missing, expected: Folder of the data set; see gluevo run");
+  ExpectBadUsage("run data", "--output is missing, expected: Folder for the results");
+  ExpectBadUsage("extract images --out f.h5", "\"--out\" is no option of gluevo extract");
+  ExpectBadUsage("run data more -o out", "\"more\" is one argument too many, expected DATASET");
+  ExpectBadUsage("run data -o", "--output has no value, expected: Folder for the results");
+  ExpectBadUsage("run data -o out --count 1 --count 2", "--count is given 2 times, expected once");
+  ExpectBadUsage("run data -o out --method orb",
+                 "--method: expected superglue, superpoint or klt, got \"orb\"");
+  ExpectBadUsage("run data -o out --replay a.h5 --save-matches b.h5", "expected one of them");
+  ExpectBadUsage("match features.h5", "--pairs and --output are expected");
+}
+
+TEST_F(UsageTest, NumbersAreWhatTheyAreExpectedToBe) {
+  const std::string run = "run data -o out ";
+  for (const auto& [arguments, phrase] : std::vector<std::pair<std::string, std::string>>{
+           {run + "--right-turn-mrad -1", "--right-turn-mrad: expected a number from 0 to 1e+06"},
+           {run + "--max-predicted nan", "--max-predicted: expected a number from 0 to 1e+06"},
+           {run + "--threads 0", "--threads: expected a whole number from 1 to 1024, got \"0\""},
+           {run + "--threads 2x", "--threads: expected a whole number from 1 to 1024, got \"2x\""},
+           {run + "--count -1", "--count: expected a whole number >= 1, got \"-1\""},
+           {run + "--count 99999999999", "--count: expected a whole number >= 1"},
+           {run + "--rate 1e-30", "--rate: expected a number from 0.001 to 1e+06"},
+           {run + "--max-epipolar-error inf", "--max-epipolar-error: expected a number, got"},
+           {run + "--min-distance inf", "--min-distance: expected a number, got \"inf\""},
+           {run + "--marginalize 1e30", "--marginalize: expected true or false, got \"1e30\""},
+           {run + "--max-keypoints 0", "--max-keypoints: expected a whole number >= 1"},
+           {run + "--window 010", "--window: expected a whole number, got \"010\""},
+           {run + "--window 0x10", "--window: expected a whole number, got \"0x10\""},
+           {run + "--tracking-threshold 1", "--tracking-threshold: expected a number >= 0 and < 1"},
+           {run + "--depth-confidence 1", "--depth-confidence: expected a number >= 0 and < 1"},
+           {run + "--strict=2", "--strict: expected true or false, got \"2\""},
+           {"match a.png b.png --max-error nan", "--max-error: expected a number > 0, got \"nan\""},
+           {"evaluate a b --delta 0", "--delta: expected a whole number >= 1, got \"0\""},
+           {"simulate -o made --seed -1", "--seed: expected a whole number >= 0, got \"-1\""},
+           {"simulate -o made --noise nan", "--noise: expected a number, got \"nan\""},
+           {"simulate -o made --width 1e3", "--width: expected a whole number, got \"1e3\""}}) {
+    ExpectBadUsage(arguments, phrase);
+  }
+}
+
+TEST_F(UsageTest, DecimalNumbersAreTaken) {
+  const Outcome outcome =
+      Run("simulate -o " + Path("made") +
+          " --duration +0.2 --rate 10 --width 96 --height +64 --seed 18446744073709551615");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(Contents(Path("made/mav0/cam0/sensor.yaml")).find("[96, 64]"), std::string::npos);
+}
+
+TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
+  ASSERT_EQ(
+      Run("simulate -o " + Path("flight") + " --duration 0.2 --rate 10 --width 96 --height 64")
+          .exit_code,
+      0);
+  const std::string run = "run " + Path("flight") + " --method klt -o " + Path("out") + " ";
+  for (const std::string option :
+       {"--window 2", "--iterations 0", "--klt-corners 0", "--keyframe-parallax 0",
+        "--max-epipolar-error 0", "--min-distance -1", "--recovery-keyframes -1", "--max-ratio 2",
+        "--min-confirmed-share 2"}) {
+    ExpectRefused(run + option, 1, "(" + option.substr(0, option.find(' ')) + ")");
+  }
+}
+
+TEST_F(UsageTest, NamesDoNotSteerTheTerminal) {
+  const Outcome in_shell =
+      RunProgram("bash", "-c \"" GLUEVO_PROGRAM " run $'no\\n\\x1b[31m\\xc2\\x9bsuch' -o out\"");
+  EXPECT_EQ(in_shell.exit_code, 1);
+  EXPECT_EQ(in_shell.error.rfind("gluevo: error: no\\x0a\\x1b[31m\\xc2\\x9bsuch: ", 0), 0U)
+      << in_shell.error;
+  EXPECT_EQ(in_shell.error.find('\n'), in_shell.error.size() - 1) << in_shell.error;
+}
+
+}  // namespace
+}  // namespace gluevo::apps
