@@ -78,6 +78,8 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Take the matches from such a file: reads no images and runs no networks; the "
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
+  command.add_flag("--imu-rate", arguments.places.has_imu_rate,
+                   "Write imu_rate, too: a pose for every reading of the inertial unit");
   command.add_flag("--strict", arguments.is_strict,
                    "End at a frame that cannot be read, in place of leaving it out; what came "
                    "before it is kept");
@@ -163,6 +165,10 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
   setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
   setup.uses_imu =
       ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
+  if (arguments.places.has_imu_rate && !setup.uses_imu) {
+    throw Error(arguments.dataset.string() +
+                ": no inertial unit is used, which --imu-rate needs (see --imu)");
+  }
   PrintNotes(setup.dataset);
   if (store) {
     LeaveOutReplayed(*store, setup.dataset);

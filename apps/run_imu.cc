@@ -7,6 +7,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/median.h"
 #include "gluevo/vo/inertial/gravity.h"
+#include "gluevo/vo/inertial/poses_at_readings.h"
 
 namespace gluevo::apps {
 namespace {
@@ -106,6 +107,29 @@ Json ImuJson(const ImuRecord& record, const std::vector<vo::FrameResult>& frames
   json["noise_factor"] = {{"gyroscope", record.gyroscope_noise_factor},
                           {"accelerometer", record.accelerometer_noise_factor}};
   return json;
+}
+
+vo::Trajectory ImuRateTrajectory(const vo::ImuData& imu,
+                                 const std::vector<vo::FrameResult>& frames) {
+  vo::ImuReadings readings(imu.noise);
+  readings.Add(imu.samples);
+  vo::Trajectory trajectory;
+  const vo::FrameResult* before = nullptr;
+  for (const vo::FrameResult& frame : frames) {
+    if (!frame.inertial) {
+      continue;
+    }
+    if (before != nullptr && before->segment == frame.segment) {
+      const vo::InertialEstimate& inertial = *before->inertial;
+      const vo::Trajectory between = vo::PosesAtReadings(
+          {before->timestamp_ns,
+           {before->world_from_body, inertial.velocity_in_world, inertial.bias}},
+          {frame.timestamp_ns, frame.world_from_body}, inertial.gravity_in_world, readings);
+      trajectory.insert(trajectory.end(), between.begin(), between.end());
+    }
+    before = &frame;
+  }
+  return trajectory;
 }
 
 std::optional<Eigen::Quaterniond> LevelFromWorld(const std::vector<vo::FrameResult>& frames) {

@@ -37,4 +37,9 @@ nlohmann::ordered_json ImuJson(const ImuRecord& record, const std::vector<vo::Fr
 /// where there is none.
 std::optional<Eigen::Quaterniond> LevelFromWorld(const std::vector<vo::FrameResult>& frames);
 
+/// A pose for every reading between two frames of one segment that were located while the unit
+/// counted (PosesAtReadings), in the world of the frames' poses.
+vo::Trajectory ImuRateTrajectory(const vo::ImuData& imu,
+                                 const std::vector<vo::FrameResult>& frames);
+
 }  // namespace gluevo::apps

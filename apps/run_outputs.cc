@@ -2,8 +2,10 @@
 
 #include <exception>
 #include <map>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "covariance_file.h"
 #include "gluevo/nn/error.h"
@@ -57,23 +59,25 @@ const Format& FormatOf(const RunPlaces& places) {
 }
 
 void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
-                       const RunRecords& records) {
+                       const RunRecords& records, const RunMetrics::Context& context) {
   const Format& format = FormatOf(places);
   const auto level_from_world = LevelFromWorld(records.metrics.frames());
   const std::string header = TrajectoryHeader(dataset.rig, level_from_world.has_value());
-  for (const auto& [name, trajectory] :
-       {std::pair{"trajectory", &records.trajectory}, std::pair{"keyframes", &records.keyframes}}) {
-    vo::WriteTrajectory(places.folder / (std::string(name) + format.extension),
+  std::vector<std::pair<std::string, const vo::Trajectory*>> trajectories = {
+      {"trajectory", &records.trajectory}, {"keyframes", &records.keyframes}};
+  if (context.loops) {
+    trajectories.emplace_back("trajectory_optimized", &context.loops->optimized);
+  }
+  vo::Trajectory imu_rate;
+  if (places.has_imu_rate) {
+    imu_rate = ImuRateTrajectory(*dataset.imu, records.metrics.frames());
+    trajectories.emplace_back("imu_rate", &imu_rate);
+  }
+  for (const auto& [name, trajectory] : trajectories) {
+    vo::WriteTrajectory(places.folder / (name + format.extension),
                         level_from_world ? Turned(*level_from_world, *trajectory) : *trajectory,
                         format.format, header);
   }
-}
-
-void WriteOptimized(const RunPlaces& places, const vo::Dataset& dataset,
-                    const vo::Trajectory& trajectory) {
-  const Format& format = FormatOf(places);
-  vo::WriteTrajectory(places.folder / (std::string("trajectory_optimized") + format.extension),
-                      trajectory, format.format, TrajectoryHeader(dataset.rig));
 }
 
 void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
@@ -94,6 +98,9 @@ std::vector<fs::path> OutputFiles(const RunPlaces& places) {
                                  places.folder / ("keyframes" + extension),
                                  places.folder / "covariance.csv", places.folder / "metrics.json",
                                  places.folder / "report.html"};
+  if (places.has_imu_rate) {
+    files.push_back(places.folder / ("imu_rate" + extension));
+  }
   if (places.has_loops) {
     files.push_back(places.folder / ("trajectory_optimized" + extension));
   }
@@ -132,10 +139,7 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
       failure = failure.empty() ? error.what() : failure;
     }
   };
-  attempt([&] { WriteTrajectories(places, dataset, records); });
-  if (context.loops) {
-    attempt([&] { WriteOptimized(places, dataset, context.loops->optimized); });
-  }
+  attempt([&] { WriteTrajectories(places, dataset, records, context); });
   attempt([&] {
     WriteCovariances(places.folder / "covariance.csv", records.metrics.frames(),
                      dataset.rig.body_frame);

@@ -42,7 +42,7 @@ void ImuReadings::Add(std::span<const ImuSample> samples) {
 void ImuReadings::ForgetBefore(int64_t time_ns) {
   const auto first = At(samples_, time_ns);
   // The one before is interpolated from. All that stay are moved: seldom.
-  constexpr std::ptrdiff_t kMany = 4096;
+  constexpr std::ptrdiff_t kMany = 1024;
   if (first - samples_.begin() > kMany) {
     samples_.erase(samples_.begin(), first - 1);
   }

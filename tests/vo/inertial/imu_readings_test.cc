@@ -67,7 +67,7 @@ TEST(ImuReadingsTest, AGapSaysHowFarTheBiasesMayHaveWalked) {
             0.1);
   const Preintegration joined =
       Join(gap, readings.Between(2 * kSecondNs, 2 * kSecondNs + 500'000'000, bias));
-  EXPECT_EQ(joined.duration_s, 2.5);
+  EXPECT_DOUBLE_EQ(joined.duration_s, 2.5);
   EXPECT_EQ(joined.covariance.ldlt().info(), Eigen::Success);
   MakeInertialFactor(joined);
 }
