@@ -17,14 +17,10 @@ using inertial_block::kPosition;
 using inertial_block::kRotation;
 using inertial_block::kVelocity;
 
-std::unique_ptr<InertialFactor> FactorOf(const Preintegration& measured) {
-  return std::make_unique<InertialFactor>(MakeInertialFactor(measured));
-}
-
 // `start`'s information of biases and gravity as the prior of a window whose oldest frame is the
 // linearisation's first. It is at its own linearisation point, so that it has no residual.
 PosePrior WithStart(const std::optional<PosePrior>& prior, PosePrior linearization,
-                    const InertialStart& start) {
+                    const InertialStart& start, double weight) {
   constexpr double kTwice = 2.0;  // In standard deviations.
   constexpr int kVelocitySize = 3;
   constexpr int kBiases = 6;
@@ -32,7 +28,8 @@ PosePrior WithStart(const std::optional<PosePrior>& prior, PosePrior linearizati
   if (prior) {
     marginalizer.AddPrior(*prior);
   }
-  const Eigen::Matrix<double, 8, 8> information = (kTwice * kTwice * start.covariance).inverse();
+  const Eigen::Matrix<double, 8, 8> information =
+      weight * weight * (kTwice * kTwice * start.covariance).inverse();
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(linearization.Columns(), linearization.Columns());
   const Eigen::Index biases = linearization.MotionColumn(0) + kVelocitySize;
   const Eigen::Index gravity = linearization.GravityColumn();
@@ -75,7 +72,11 @@ void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& 
   }
   linearization.motions = {frames_.front().motion};
   linearization.gravity_turn = gravity_.turn;
-  prior_ = WithStart(prior_, std::move(linearization), start);
+  prior_ = WithStart(prior_, std::move(linearization), start, views_noise_.Factor());
+}
+
+std::unique_ptr<InertialFactor> SlidingWindow::FactorOf(const Preintegration& measured) const {
+  return std::make_unique<InertialFactor>(MakeInertialFactor(measured, views_noise_.Factor()));
 }
 
 void SlidingWindow::StopInertia() {
@@ -90,27 +91,6 @@ void SlidingWindow::StopInertia() {
   for (Frame& frame : frames_) {
     frame.motion = {};
     frame.measured.reset();
-  }
-}
-
-void SlidingWindow::TurnWorld(const Eigen::Quaterniond& new_from_old_world) {
-  const Eigen::Vector3d center = frames_.front().world_from_body.translation;
-  for (Frame& frame : frames_) {
-    frame.world_from_body = {
-        (new_from_old_world * frame.world_from_body.rotation).normalized(),
-        center + new_from_old_world * (frame.world_from_body.translation - center)};
-    frame.motion.velocity_in_world = new_from_old_world * frame.motion.velocity_in_world;
-  }
-  if (prior_) {
-    prior_ = InTurnedWorld(*prior_, new_from_old_world, center, gravity_);
-  }
-  const TurnedGravityEstimate turned = InTurnedWorld(gravity_, new_from_old_world);
-  gravity_ = turned.gravity;
-  if (inertial_covariance_) {
-    InertialCovariance new_by_old = InertialCovariance::Identity();
-    new_by_old.topLeftCorner<3, 3>() = new_from_old_world.toRotationMatrix();
-    new_by_old.bottomRightCorner<2, 2>() = turned.by_turn;
-    inertial_covariance_ = new_by_old * *inertial_covariance_ * new_by_old.transpose();
   }
 }
 
@@ -171,7 +151,8 @@ SlidingWindow::InertialMisfit SlidingWindow::Misfit() const {
   const Frame& before = frames_[frames_.size() - 2];
   const InertialVector residual = Whitened(*frames_.back().measured, StateOfFrame(before),
                                            StateOfFrame(frames_.back()), gravity_in_world())
-                                      .value;
+                                      .value /
+                                  frames_.back().measured->weight;
   const auto squares = [&](int block) { return residual.segment<3>(block).squaredNorm(); };
   return {(squares(kRotation) + squares(kGyroscopeBias)) / 6.0,
           (squares(kPosition) + squares(kVelocity) + squares(kAccelerometerBias)) / 9.0};

@@ -7,12 +7,12 @@
 
 namespace gluevo::vo {
 
-InertialFactor MakeInertialFactor(const Preintegration& measured) {
+InertialFactor MakeInertialFactor(const Preintegration& measured, double weight) {
   const Eigen::LLT<InertialMatrix> covariance(measured.covariance);
   if (covariance.info() != Eigen::Success) {
     throw Error("inertial factor: a covariance that is not positive definite");
   }
-  InertialFactor factor{measured, InertialMatrix::Identity()};
+  InertialFactor factor{measured, weight * InertialMatrix::Identity(), weight};
   covariance.matrixL().solveInPlace(factor.whitening);
   return factor;
 }

@@ -23,8 +23,6 @@ void InertialOptions::Validate() const {
   start.Validate();
   rest.Validate();
   CheckPositive(max_bridge_sigma_m, "inertial.max_bridge_sigma_m");
-  CheckPositive(level_below_sigma, "inertial.level_below_sigma");
-  CheckPositive(level_time_s, "inertial.level_time_s");
   CheckWithin(bridge_after_s, 0.0, 1e6, "inertial.bridge_after_s");
 }
 

@@ -70,7 +70,6 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   votes_ = std::move(other.votes_);
   navigation_ = std::move(other.navigation_);
   expected_ = other.expected_;
-  kept_gravity_ = other.kept_gravity_;
   contradictions_ = other.contradictions_;
   uncertainty_ = other.uncertainty_;
   keyframe_ns_ = other.keyframe_ns_;

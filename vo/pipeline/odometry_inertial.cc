@@ -98,33 +98,18 @@ void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
   }
   if (!is_linked) {
     navigation_->Restart();
-    kept_gravity_.reset();
   }
   if (window_->has_inertia()) {
     if (window_->inertial_covariance()) {
       const SlidingWindow::InertialMisfit misfit = window_->Misfit();
       navigation_->Watch(misfit.gyroscope, misfit.accelerometer);
       result.inertial = DescribeInertia();
-      LevelWorld(*result.inertial, result.timestamp_ns);
     }
     navigation_->ForgetBefore(window_->oldest_timestamp_ns());
   } else if (const auto start = navigation_->Try({result.timestamp_ns, result.world_from_body})) {
     window_->StartInertia(*start, navigation_->readings());
     window_->Optimize();
   }
-}
-
-void Odometry::LevelWorld(const InertialEstimate& estimate, int64_t timestamp_ns) {
-  if (!kept_gravity_) {
-    if (estimate.gravity_sigma < options_.inertial.level_below_sigma) {
-      kept_gravity_ = estimate.gravity_in_world;
-    }
-    return;
-  }
-  const double seconds = 1e-9 * static_cast<double>(timestamp_ns - history_.last()->timestamp_ns);
-  const double share = 1.0 - std::exp(-seconds / options_.inertial.level_time_s);
-  const auto whole = Eigen::Quaterniond::FromTwoVectors(estimate.gravity_in_world, *kept_gravity_);
-  window_->TurnWorld(Eigen::Quaterniond::Identity().slerp(share, whole));
 }
 
 InertialEstimate Odometry::DescribeInertia() const {

@@ -178,40 +178,6 @@ TEST(WindowInertialFlightTest, BridgesFramesThatAreMissing) {
   EXPECT_LT(motion.rotation.angularDistance(truth.rotation), 0.3 * kDegree);
 }
 
-TEST(WindowInertialFlightTest, ATurnedWorldChangesNothingElse) {
-  const Eigen::Quaterniond turn = ExpSo3({0.3, -0.2, 0.5});
-  WindowFlight flight(41);
-  WindowFlight turned(41);
-  for (WindowFlight* const one : {&flight, &turned}) {
-    one->Fly(15);
-    one->Start(one->newest_ns_);
-    one->Fly(15);
-  }
-  const Rigid3 before = turned.window_.state().world_from_body;
-  turned.window_.TurnWorld(turn);
-  turned.world_from_flight_ = turned.window_.state().world_from_body * before.Inverse();
-  const auto same_prediction = [&] {
-    const int64_t later = flight.newest_ns_ + kSecondNs;
-    const auto one = flight.window_.Predict(later);
-    const auto other = turned.window_.Predict(later);
-    return one && other &&
-           Minus(turned.world_from_flight_ * one->state.world_from_body,
-                 other->state.world_from_body)
-                   .norm() < 1e-6 &&
-           (one->covariance - other->covariance).norm() < 1e-4 * one->covariance.norm();
-  };
-  EXPECT_TRUE(same_prediction());
-  flight.Fly(15);
-  turned.Fly(15);
-  EXPECT_LT(Minus(turned.world_from_flight_ * flight.window_.state().world_from_body,
-                  turned.window_.state().world_from_body)
-                .norm(),
-            1e-6);
-  EXPECT_LT((turn * flight.window_.gravity_in_world() - turned.window_.gravity_in_world()).norm(),
-            1e-5);
-  EXPECT_TRUE(same_prediction());
-}
-
 TEST(WindowInertialFlightTest, SurvivesAGapInTheReadings) {
   WindowFlight flight(31);
   std::vector<ImuSample> samples = flight.flight_.samples;

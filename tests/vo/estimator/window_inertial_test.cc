@@ -253,37 +253,6 @@ TEST(WindowInertialTest, MotionsAreEliminatedAsADenseSolverDoes) {
   }
 }
 
-// In a world that is turned about a point all residuals are the same, and so is what a step costs.
-TEST(WindowInertialTest, PriorsSayTheSameInATurnedWorld) {
-  std::mt19937_64 generator(8);
-  const PosePrior prior = RandomPrior(generator, 2);
-  const GravityEstimate gravity{{1.0, -2.0, -9.5}, {0.05, 0.08}};
-  const Eigen::Quaterniond turn = ExpSo3({0.3, -0.8, 0.4});
-  const Eigen::Vector3d center(1.0, 2.0, 3.0);
-  const PosePrior turned = InTurnedWorld(prior, turn, center, gravity);
-  const GravityEstimate turned_gravity = InTurnedWorld(gravity, turn).gravity;
-  EXPECT_LT((turned_gravity.InWorld() - turn * gravity.InWorld()).norm(), 1e-12);
-  std::vector<Rigid3> poses, turned_poses;
-  std::vector<VelocityAndBias> motions, turned_motions;
-  for (std::size_t i = 0; i < prior.frame_ids.size(); ++i) {
-    PoseTangent step;
-    step << testing::UniformVector(generator, 0.3), testing::UniformVector(generator, 0.3);
-    poses.push_back(Plus(prior.world_from_body[i], step));
-    turned_poses.push_back(Rigid3{turn, center - turn * center} * poses.back());
-  }
-  for (const VelocityAndBias& motion : prior.motions) {
-    motions.push_back({motion.velocity_in_world + Eigen::Vector3d(0.1, 0.2, -0.3), motion.bias});
-    turned_motions.push_back({turn * motions.back().velocity_in_world, motion.bias});
-  }
-  const Eigen::VectorXd expected =
-      prior.jacobian * prior.Delta(poses, prior.body_from_right, motions, gravity.turn);
-  const Eigen::VectorXd actual =
-      turned.jacobian *
-      turned.Delta(turned_poses, turned.body_from_right, turned_motions, turned_gravity.turn);
-  EXPECT_GT(expected.norm(), 1.0);
-  EXPECT_LT((actual - expected).norm(), 1e-9 * expected.norm());
-}
-
 // As for poses alone: what is left has the solution and the covariance of the whole.
 TEST(WindowInertialTest, EliminationLeavesTheSolutionOfTheRest) {
   std::mt19937_64 generator(5);

@@ -59,18 +59,6 @@ struct PosePrior {
                         const Eigen::Vector2d& gravity_turn = Eigen::Vector2d::Zero()) const;
 };
 
-/// The same prior in a world turned about a point (of the old world); `gravity` is what
-/// gravity_turn belongs to in the old one.
-PosePrior InTurnedWorld(const PosePrior& prior, const Eigen::Quaterniond& new_from_old_world,
-                        const Eigen::Vector3d& center, const GravityEstimate& gravity);
-/// Likewise gravity, and how its turns change: new turn = matrix times old turn.
-struct TurnedGravityEstimate {
-  GravityEstimate gravity;
-  Eigen::Matrix2d by_turn;
-};
-TurnedGravityEstimate InTurnedWorld(const GravityEstimate& gravity,
-                                    const Eigen::Quaterniond& new_from_old_world);
-
 /// The prior on the other poses when one of its frames is eliminated.
 PosePrior WithoutFrame(const PosePrior& prior, int64_t frame_id);
 

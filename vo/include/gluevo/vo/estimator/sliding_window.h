@@ -16,6 +16,7 @@
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/estimator/pose_prior.h"
 #include "gluevo/vo/estimator/sliding_window_options.h"
+#include "gluevo/vo/estimator/views_noise.h"
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
 #include "gluevo/vo/inertial/gravity.h"
@@ -93,9 +94,6 @@ class SlidingWindow {
   void StartInertia(const InertialStart& start, const ImuReadings& readings);
   /// The readings count no more; what they said of poses that left the window stays.
   void StopInertia();
-  /// Turns the world about the oldest frame: what is known stays the same, seen from another world.
-  /// With an inertial unit, whose gravity in the world is kept in place so.
-  void TurnWorld(const Eigen::Quaterniond& new_from_old_world);
   bool has_inertia() const { return readings_ != nullptr; }
   /// The newest frame's, and gravity, with an inertial unit.
   InertialState state() const;
@@ -179,6 +177,7 @@ class SlidingWindow {
   void AddProblemTo(Marginalizer& marginalizer);
   /// How far the window is from there.
   Eigen::VectorXd Delta(const PosePrior& linearization) const;
+  std::unique_ptr<InertialFactor> FactorOf(const Preintegration& measured) const;
   /// What was measured between the oldest frame and the next one.
   void AddInertiaTo(Marginalizer& marginalizer) const;
   InertialState StateOfFrame(const Frame& frame) const {
@@ -199,6 +198,7 @@ class SlidingWindow {
   std::optional<PosePrior> prior_;
   const ImuReadings* readings_ = nullptr;  // Of the inertial unit once it has started.
   GravityEstimate gravity_;
+  ViewsNoise views_noise_;
   std::optional<InertialCovariance> inertial_covariance_;
   std::unique_ptr<Workspace> workspace_;
   int64_t next_frame_id_ = 0;

@@ -10,16 +10,19 @@
 namespace gluevo::vo {
 
 /// A preintegration and the square root of its information: whitening^T whitening is the inverse of
-/// its covariance.
+/// its covariance, times weight^2.
 struct InertialFactor {
   Preintegration measured;
   InertialMatrix whitening = InertialMatrix::Zero();  ///< Lower triangle.
+  double weight = 1.0;
 };
 
-/// Throws Error where the covariance is not positive definite: what was integrated is no time.
-InertialFactor MakeInertialFactor(const Preintegration& measured);
+/// `weight`: where other residuals are divided by a noise that is not theirs, their real noise over
+/// that one; only what they are worth to each other counts. Throws Error where the covariance is
+/// not positive definite: what was integrated is no time.
+InertialFactor MakeInertialFactor(const Preintegration& measured, double weight = 1.0);
 
-/// The residual and its derivatives in standard deviations.
+/// The residual and its derivatives in standard deviations, times the factor's weight.
 struct WhitenedInertialResidual {
   InertialVector value;
   InertialMatrix by_first;

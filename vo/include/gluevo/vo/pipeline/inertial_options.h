@@ -16,10 +16,6 @@ struct InertialOptions {
   /// Until this time since the last located frame such frames are passed over: the next one may
   /// show more of what was seen before. In place of OdometryOptions::max_predicted_s, seconds.
   double bridge_after_s = 0.3;
-  /// Once gravity's direction is known within this, radians, it stays where it is in the world:
-  /// what the path's tilt drifts is taken back, over some `level_time_s`.
-  double level_below_sigma = 0.0017453;
-  double level_time_s = 5.0;
 
   /// Throws Error naming the option.
   void Validate() const;

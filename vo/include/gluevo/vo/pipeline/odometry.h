@@ -98,8 +98,6 @@ class Odometry {
   /// Starts the inertial unit where it may, and says what is known of it.
   void FollowInertia(bool is_linked, FrameResult& result);
   InertialEstimate DescribeInertia() const;
-  /// Keeps gravity in its place in the world.
-  void LevelWorld(const InertialEstimate& estimate, int64_t timestamp_ns);
   void Describe(FrameResult& result) const;
   /// How good the located pose is ...
   void Rate(bool is_linked, FrameResult& result);
@@ -119,7 +117,6 @@ class Odometry {
   TrackVotes votes_;
   std::unique_ptr<InertialNavigation> navigation_;  // Absent without an inertial unit.
   std::optional<Expectation> expected_;             // Of the frame in work.
-  std::optional<Eigen::Vector3d> kept_gravity_;     // In the world, once it is well known.
   int contradictions_ = 0;                          // Frames in sequence that contradict it.
   PathUncertainty uncertainty_;
   int64_t keyframe_ns_ = 0;                   // The newest.
