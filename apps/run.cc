@@ -33,6 +33,7 @@
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
 #include "run_frames.h"
+#include "run_imu.h"
 #include "run_metrics.h"
 #include "run_outputs.h"
 #include "run_replay.h"
@@ -77,6 +78,8 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Take the matches from such a file: reads no images and runs no networks; the "
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
+  command.add_flag("--imu-rate", arguments.places.has_imu_rate,
+                   "Write imu_rate, too: a pose for every reading of the inertial unit");
   command.add_flag("--strict", arguments.is_strict,
                    "End at a frame that cannot be read, in place of leaving it out; what came "
                    "before it is kept");
@@ -95,8 +98,10 @@ void CheckOutputs(const RunArguments& arguments) {
   std::vector<fs::path> outputs = OutputFiles(arguments.places);
   outputs.push_back(arguments.save_matches);
   std::vector<fs::path> inputs = arguments.frames.calibration;
-  for (const fs::path& input : {arguments.dataset, arguments.config_file, arguments.replay,
-                                arguments.frames.groundtruth, arguments.loops.codebook}) {
+  for (const fs::path& input :
+       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
+        arguments.loops.codebook, MakeDatasetOptions(arguments.frames).imu.value_or(""),
+        arguments.frames.imu_calibration}) {
     inputs.push_back(input);
   }
   for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
@@ -125,6 +130,7 @@ struct Setup {
   std::unique_ptr<vo::FrontEnd> frontend;
   std::optional<vo::LoopRecorder> loops;
   bool reads_images = true;
+  bool uses_imu = false;
 };
 
 void MakeFrontEndAndLoops(const RunArguments& arguments, nn::ThreadPool& pool, Setup& setup) {
@@ -157,6 +163,12 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
                          arguments.frames.stride);
   }
   setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  setup.uses_imu =
+      ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
+  if (arguments.places.has_imu_rate && !setup.uses_imu) {
+    throw Error(arguments.dataset.string() +
+                ": no inertial unit is used, which --imu-rate needs (see --imu)");
+  }
   PrintNotes(setup.dataset);
   if (store) {
     LeaveOutReplayed(*store, setup.dataset);
@@ -225,6 +237,10 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   }
   CheckPlaces(arguments.places);
   vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
+  if (setup.uses_imu) {
+    odometry.UseImu(setup.dataset.imu->noise);
+    odometry.AddImu(setup.dataset.imu->samples);
+  }
   RunRecords records = MakeRecords(arguments, command, setup);
 
   const EarlyEnd end =
@@ -251,7 +267,8 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .frames_asked = setup.dataset.entries.size(),
                                  .is_interrupted = end.signal != 0,
                                  .failure = end.failure,
-                                 .causes = records.diagnosis.Causes()};
+                                 .causes = records.diagnosis.Causes(),
+                                 .imu = MakeImuRecord(setup.dataset, odometry)};
   AddEvaluations(setup, records, context);
   if (records.loops) {
     context.loops = CloseLoops(*records.loops, setup.dataset.groundtruth);

@@ -128,6 +128,7 @@ RunReport RunMetrics::Report(const Context& context) const {
   report.warnings = AllWarnings(context);
   report.evaluation = context.evaluation;
   report.evaluation_failure = context.evaluation_failure;
+  report.inertial = InertialSentence(context);
   report.duration_s = Duration();
   report.stages_ms = stages_ms_;
   report.peak_memory_mb = PeakMemoryMb();
@@ -190,6 +191,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
                                {"fit", MedianMatches(&vo::FrameResult::inliers)},
                                {"stereo", MedianMatches(&vo::FrameResult::stereo)},
                                {"moving", MedianMatches(&vo::FrameResult::moving)}};
+  if (context.imu) {
+    json["imu"] = ImuJson(*context.imu, frames_);
+  }
   json["peak_memory_mb"] = PeakMemoryMb();
   json["isa"] = nn::IsaName(nn::ChooseIsa());
   json["threads"] = context.threads;
@@ -225,6 +229,22 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << JsonText(json); });
 }
 
+std::string RunMetrics::InertialSentence(const Context& context) const {
+  if (!context.imu) {
+    return "";
+  }
+  const std::optional<vo::InertialBegin>& begin = context.imu->begin;
+  if (!begin) {
+    return "The inertial unit has not started: " + context.imu->why_waiting;
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << "The inertial unit started "
+       << (begin->is_at_rest ? "at rest" : "in motion") << ' '
+       << 1e-9 * static_cast<double>(begin->timestamp_ns - frames_.front().timestamp_ns)
+       << " s after the first frame";
+  return text.str();
+}
+
 std::string RunMetrics::Summary(const Context& context) const {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1);
@@ -234,6 +254,9 @@ std::string RunMetrics::Summary(const Context& context) const {
        << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
        << " tracked (" << MedianMatches(&vo::FrameResult::inliers) << " fit), "
        << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
+  if (context.imu && context.imu->begin) {
+    text << InertialSentence(context) << '\n';
+  }
   for (const std::string& warning : Warnings(context)) {
     text << "warning: " << OneLine(warning) << '\n';
   }

@@ -15,6 +15,7 @@
 #include "options/option_values.h"
 #include "options/preset_options.h"
 #include "report/run_report.h"
+#include "run_imu.h"
 
 namespace gluevo::apps {
 
@@ -41,6 +42,7 @@ class RunMetrics {
     std::string failure;             ///< What ended the run before its last frame.
     std::optional<LoopOutcome> loops;  ///< Where they were looked for.
     std::vector<std::string> causes;   ///< Why tracking yields little, vo::Causes().
+    std::optional<ImuRecord> imu;      ///< Where an inertial unit is used.
   };
 
   void StartFrame();
@@ -79,6 +81,8 @@ class RunMetrics {
   };
 
   int Resets() const;
+  /// How the inertial unit started, or why it has not; empty without one.
+  std::string InertialSentence(const Context& context) const;
   double MedianMatches(int vo::FrameResult::*count) const;
   double Duration() const;
 

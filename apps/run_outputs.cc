@@ -2,8 +2,10 @@
 
 #include <exception>
 #include <map>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "covariance_file.h"
 #include "gluevo/nn/error.h"
@@ -11,18 +13,33 @@
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
 #include "report/run_report.h"
+#include "run_imu.h"
 
 namespace gluevo::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
-std::string TrajectoryHeader(const vo::StereoRig& rig) {
-  return "pose of the " + rig.body_frame + " in the world, which is its frame at the first pose";
+std::string TrajectoryHeader(const vo::StereoRig& rig, bool is_level) {
+  return "pose of the " + rig.body_frame + " in the world, " +
+         (is_level ? "whose z is up by the inertial unit and whose origin and yaw are those of the "
+                     "first pose"
+                   : "which is its frame at the first pose");
 }
 
-void WriteMap(const fs::path& directory, const vo::MapRecorder& recorder) {
-  const vo::Map map = recorder.Build();
+vo::Trajectory Turned(const Eigen::Quaterniond& level_from_world, vo::Trajectory trajectory) {
+  const vo::Rigid3 new_from_old_world = {level_from_world, Eigen::Vector3d::Zero()};
+  for (vo::StampedPose& pose : trajectory) {
+    pose.world_from_body = new_from_old_world * pose.world_from_body;
+  }
+  return trajectory;
+}
+
+void WriteMap(const fs::path& directory, const RunRecords& records) {
+  vo::Map map = records.map->Build();
+  if (const auto level_from_world = LevelFromWorld(records.metrics.frames())) {
+    vo::TurnWorld(*level_from_world, map);
+  }
   vo::WritePly(directory, map);
   vo::WriteColmap(directory / "colmap", map);
 }
@@ -42,21 +59,25 @@ const Format& FormatOf(const RunPlaces& places) {
 }
 
 void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
-                       const RunRecords& records) {
+                       const RunRecords& records, const RunMetrics::Context& context) {
   const Format& format = FormatOf(places);
-  const std::string header = TrajectoryHeader(dataset.rig);
-  for (const auto& [name, trajectory] :
-       {std::pair{"trajectory", &records.trajectory}, std::pair{"keyframes", &records.keyframes}}) {
-    vo::WriteTrajectory(places.folder / (std::string(name) + format.extension), *trajectory,
+  const auto level_from_world = LevelFromWorld(records.metrics.frames());
+  const std::string header = TrajectoryHeader(dataset.rig, level_from_world.has_value());
+  std::vector<std::pair<std::string, const vo::Trajectory*>> trajectories = {
+      {"trajectory", &records.trajectory}, {"keyframes", &records.keyframes}};
+  if (context.loops) {
+    trajectories.emplace_back("trajectory_optimized", &context.loops->optimized);
+  }
+  vo::Trajectory imu_rate;
+  if (places.has_imu_rate) {
+    imu_rate = ImuRateTrajectory(*dataset.imu, records.metrics.frames());
+    trajectories.emplace_back("imu_rate", &imu_rate);
+  }
+  for (const auto& [name, trajectory] : trajectories) {
+    vo::WriteTrajectory(places.folder / (name + format.extension),
+                        level_from_world ? Turned(*level_from_world, *trajectory) : *trajectory,
                         format.format, header);
   }
-}
-
-void WriteOptimized(const RunPlaces& places, const vo::Dataset& dataset,
-                    const vo::Trajectory& trajectory) {
-  const Format& format = FormatOf(places);
-  vo::WriteTrajectory(places.folder / (std::string("trajectory_optimized") + format.extension),
-                      trajectory, format.format, TrajectoryHeader(dataset.rig));
 }
 
 void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
@@ -77,6 +98,9 @@ std::vector<fs::path> OutputFiles(const RunPlaces& places) {
                                  places.folder / ("keyframes" + extension),
                                  places.folder / "covariance.csv", places.folder / "metrics.json",
                                  places.folder / "report.html"};
+  if (places.has_imu_rate) {
+    files.push_back(places.folder / ("imu_rate" + extension));
+  }
   if (places.has_loops) {
     files.push_back(places.folder / ("trajectory_optimized" + extension));
   }
@@ -115,10 +139,7 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
       failure = failure.empty() ? error.what() : failure;
     }
   };
-  attempt([&] { WriteTrajectories(places, dataset, records); });
-  if (context.loops) {
-    attempt([&] { WriteOptimized(places, dataset, context.loops->optimized); });
-  }
+  attempt([&] { WriteTrajectories(places, dataset, records, context); });
   attempt([&] {
     WriteCovariances(places.folder / "covariance.csv", records.metrics.frames(),
                      dataset.rig.body_frame);
@@ -129,7 +150,7 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
     attempt([&] { records.matches->Finish(); });
   }
   if (records.map) {
-    attempt([&] { WriteMap(places.map, *records.map); });
+    attempt([&] { WriteMap(places.map, records); });
   }
   return failure;
 }

@@ -16,6 +16,7 @@ struct RunPlaces {
   std::string trajectory_format = "tum";  ///< tum, euroc or kitti
   std::filesystem::path map;              ///< Empty: none.
   bool has_loops = false;                 ///< And so a trajectory that fits them.
+  bool has_imu_rate = false;              ///< A trajectory with a pose for every inertial reading.
 };
 
 /// What a run puts into its folder, the map apart.

@@ -138,8 +138,8 @@ bool HasStamp(const fs::path& folder, const Json& inputs) {
 
 void RemoveResults(const fs::path& folder) {
   for (const char* const name :
-       {kStamp, "metrics.json", "trajectory.tum", "trajectory_optimized.tum", "keyframes.tum",
-        "covariance.csv", "report.html", kRunLog}) {
+       {kStamp, "metrics.json", "trajectory.tum", "trajectory_optimized.tum", "imu_rate.tum",
+        "keyframes.tum", "covariance.csv", "report.html", kRunLog}) {
     fs::remove(folder / name);
   }
 }

@@ -59,6 +59,17 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
                        " predicted from the motion before: the frames show nothing by which they "
                        "could be located");
   }
+  if (const std::size_t bridged = count(&vo::FrameResult::is_bridged); bridged > 0) {
+    warnings.push_back(Counted(bridged, "pose") +
+                       " where the inertial unit alone leads: the frames show nothing that was "
+                       "seen before");
+  }
+  // A start takes some seconds.
+  constexpr int64_t kLongNs = 10'000'000'000;
+  if (context.imu && !context.imu->begin && !frames_.empty() &&
+      frames_.back().timestamp_ns - frames_.front().timestamp_ns > kLongNs) {
+    warnings.push_back(InertialSentence(context));
+  }
   if (const std::size_t doubtful = count(&vo::FrameResult::is_doubtful); doubtful > 0) {
     warnings.push_back(Counted(doubtful, "pose") +
                        " doubtful: less than half of what is seen agrees with them (does something "

@@ -24,6 +24,15 @@ void AddDatasetOptions(CLI::App& command, DatasetArguments& arguments) {
   command.add_option("--groundtruth", arguments.groundtruth,
                      "Ground truth (TUM, EuRoC csv or KITTI); default: the data set's own");
   command
+      .add_option("--imu", arguments.imu,
+                  "Inertial unit: auto (used where the data set has one), on (there must be one), "
+                  "off, or a file of its readings (t wx wy wz ax ay az a row, or columns with "
+                  "names)")
+      ->capture_default_str();
+  command.add_option("--imu-calibration", arguments.imu_calibration,
+                     "The unit's noise and mounting: EuRoC's sensor.yaml, Kalibr's imu.yaml, or a "
+                     "file of VINS-Fusion or ORB-SLAM3; default: the data set's own");
+  command
       .add_option("--rate", arguments.rate_hz,
                   "Images a second of a plain data set that has no times; default: 10, which is "
                   "warned of")
@@ -65,6 +74,12 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
   }
   if (!arguments.groundtruth.empty()) {
     options.groundtruth = arguments.groundtruth;
+  }
+  if (arguments.imu != "auto" && arguments.imu != "on" && arguments.imu != "off") {
+    options.imu = arguments.imu;
+  }
+  if (!arguments.imu_calibration.empty()) {
+    options.imu_calibration = arguments.imu_calibration;
   }
   options.rate_hz = arguments.rate_hz;
   options.pair_tolerance_s = arguments.pair_tolerance_s;

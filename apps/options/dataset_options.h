@@ -15,6 +15,8 @@ struct DatasetArguments {
   std::string format;                              ///< Recognised where empty.
   std::vector<std::filesystem::path> calibration;  ///< At most two; empty for the data set's own.
   std::filesystem::path groundtruth;               ///< Empty for the data set's own.
+  std::string imu = "auto";                        ///< auto, on, off or a file of readings.
+  std::filesystem::path imu_calibration;           ///< Empty for the data set's own.
   std::optional<double> rate_hz;                   ///< Of data sets without times.
   std::optional<double> pair_tolerance_s;
   int start = 0;

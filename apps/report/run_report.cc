@@ -21,7 +21,7 @@ void WriteRunReport(const std::filesystem::path& path, const RunReport& report) 
         << Escape(report.dataset) << " \u00B7 gluevo run</title>\n<style>\n"
         << kStyle << "</style>\n</head>\n<body>\n<main>\n";
     for (const auto& section : {VerdictSection, TrajectorySection, ErrorSection, MatchesSection,
-                                TimesSection, StripSection, RecordSection}) {
+                                InertialSection, TimesSection, StripSection, RecordSection}) {
       out << section(report);
     }
     out << "</main>\n</body>\n</html>\n";

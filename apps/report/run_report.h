@@ -34,6 +34,9 @@ struct RunReport {
   std::optional<vo::Evaluation> evaluation;
   std::string evaluation_failure;  ///< Why there is ground truth but no evaluation.
 
+  /// How the inertial unit started, or why it did not, a sentence; empty where none was used.
+  std::string inertial;
+
   double duration_s = 0.0;
   /// Milliseconds a frame by stage: "read", what vo::FrameResult names, and "total".
   std::map<std::string, std::vector<double>> stages_ms;

@@ -18,6 +18,8 @@ std::string TrajectorySection(const RunReport& report);
 std::string ErrorSection(const RunReport& report);
 /// Matches a frame, key frames, segments.
 std::string MatchesSection(const RunReport& report);
+/// Biases, gravity and residuals of the inertial unit; empty where the run used none.
+std::string InertialSection(const RunReport& report);
 std::string TimesSection(const RunReport& report);
 std::string StripSection(const RunReport& report);
 /// Options, weights, machine.

@@ -12,6 +12,7 @@
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/doctor/doctor.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/io/imu_data.h"
 
 // One group of findings a function. Bars stand where they are used, with what they rest on.
 namespace gluevo::vo {
@@ -51,8 +52,9 @@ Findings CheckCalibration(const StereoRig& rig,
 /// Baseline, focal lengths and principal points by themselves.
 Findings CheckRig(const StereoRig& rig);
 
-/// EuRoC's imu0/data.csv or KITTI raw's oxts, where there is one.
-Findings CheckImu(const std::filesystem::path& root, const std::vector<int64_t>& times_ns);
+/// The inertial unit, where there is one. `times_ns`: of the images, on the same clock; empty where
+/// that is not known.
+Findings CheckImu(const std::optional<ImuData>& imu, const std::vector<int64_t>& times_ns);
 
 /// Presence, and the share of the frames that it covers.
 Findings CheckGroundtruth(const std::optional<Trajectory>& groundtruth,

@@ -162,7 +162,7 @@ void ExamineOpened(const Dataset& dataset, const DoctorOptions& options, Finding
       Append(CheckCalibration(dataset.rig, samples.matches), findings);
     }
   }
-  Append(CheckImu(dataset.root, times_ns), findings);
+  Append(CheckImu(dataset.imu, times_ns), findings);
   Append(CheckGroundtruth(dataset.groundtruth, times_ns), findings);
 }
 
@@ -222,7 +222,7 @@ Diagnosis Examine(const fs::path& root, const DatasetOptions& dataset_options,
     ExamineOpened(*dataset, options, diagnosis.findings);
   } else {
     ExamineLoose(root, options, diagnosis.findings);
-    Append(CheckImu(root, {}), diagnosis.findings);
+    Append(CheckImu(FindImu(root), {}), diagnosis.findings);
   }
   return diagnosis;
 }

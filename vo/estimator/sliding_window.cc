@@ -97,7 +97,10 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const Track
 
 void SlidingWindow::AddFrame(const TrackedFrame& frame, const Rigid3& world_from_body,
                              const std::vector<std::optional<PnpVerdict>>& verdicts) {
-  frames_.push_back({next_frame_id_++, world_from_body});
+  frames_.push_back({next_frame_id_++, frame.timestamp_ns, world_from_body});
+  if (readings_ != nullptr) {
+    Measure(frames_[frames_.size() - 2], frames_.back());
+  }
   std::size_t new_tracks = 0;
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const Observation& observation = frame.observations[i];
@@ -128,13 +131,15 @@ void SlidingWindow::Slide() {
     if (prior_ && prior_->Find(frames_[newest_but_one].id)) {
       prior_ = WithoutFrame(*prior_, frames_[newest_but_one].id);
     }
+    JoinAcross(newest_but_one);
     DropFrame(newest_but_one);
     return;
   }
-  if (options_.marginalize) {
+  if (options_.marginalize || has_inertia()) {
     MarginalizeOldest();
   }
   DropFrame(0);
+  frames_.front().measured.reset();
 }
 
 SlidingWindow::Landmarks::iterator SlidingWindow::Erase(Landmarks::iterator landmark) {

@@ -22,6 +22,8 @@ void SlidingWindow::StartProblem() {
   problem.points.clear();
   problem.views.clear();
   problem.prior = nullptr;
+  problem.motions.clear();
+  problem.measured.clear();
 }
 
 void SlidingWindow::AddPriorToProblem() {
@@ -69,6 +71,10 @@ void SlidingWindow::TakeOver(const WindowProblem& problem) {
   for (std::size_t i = 1; i < frames_.size(); ++i) {
     frames_[i].world_from_body = problem.world_from_body[i];
   }
+  for (std::size_t i = 0; i < problem.motions.size(); ++i) {
+    frames_[i].motion = problem.motions[i];
+  }
+  gravity_.turn = problem.gravity.turn;
   Eigen::Quaterniond& body_from_right = rig_.body_from_cam[1].rotation;
   body_from_right = (body_from_right * ExpSo3(problem.turn).conjugate()).normalized();
   auto point = problem.points.begin();
@@ -85,6 +91,7 @@ bool SlidingWindow::Optimize() {
   }
   StartProblem();
   AddPriorToProblem();
+  AddInertiaToProblem();
   for (const auto& [id, landmark] : landmarks_) {
     if (IsAdjusted(landmark)) {
       AddToProblem(landmark);

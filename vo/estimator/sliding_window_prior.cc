@@ -17,14 +17,21 @@ void SlidingWindow::MarginalizeOldest() {
     linearization.world_from_body.push_back(in_prior ? prior_->world_from_body[*in_prior]
                                                      : frame.world_from_body);
   }
+  if (has_inertia()) {
+    linearization.motions = {prior_->motions.front(), frames_[1].motion};
+    linearization.gravity_turn = prior_->gravity_turn;
+  }
   Marginalizer marginalizer(linearization);
   if (prior_) {
     marginalizer.AddPrior(*prior_);
   }
+  if (has_inertia()) {
+    AddInertiaTo(marginalizer);
+  }
   StartProblem();
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
     if (LeavesWithOldest(it->second)) {
-      if (IsAdjusted(it->second)) {
+      if (options_.marginalize && IsAdjusted(it->second)) {
         AddToProblem(it->second);
       }
       it = Erase(it);
@@ -39,6 +46,18 @@ void SlidingWindow::MarginalizeOldest() {
 bool SlidingWindow::LeavesWithOldest(const Landmark& landmark) const {
   return landmark.point && landmark.views.front().frame_id == frames_.front().id &&
          landmark.views.back().frame_id != frames_.back().id;
+}
+
+Eigen::VectorXd SlidingWindow::Delta(const PosePrior& linearization) const {
+  std::vector<Rigid3> poses;
+  std::vector<VelocityAndBias> motions;
+  poses.reserve(frames_.size());
+  motions.reserve(frames_.size());
+  for (const Frame& frame : frames_) {
+    poses.push_back(frame.world_from_body);
+    motions.push_back(frame.motion);
+  }
+  return linearization.Delta(poses, rig_.body_from_cam[1].rotation, motions, gravity_.turn);
 }
 
 // Residuals as they are now, derivatives at the prior's linearisation point (see PosePrior).
@@ -57,8 +76,7 @@ void SlidingWindow::AddProblemTo(Marginalizer& marginalizer) {
                              workspace.positions, system);
   workspace.points.Invert();
   workspace.points.Eliminate(system.hessian, system.gradient);
-  marginalizer.Add(system.hessian, system.gradient,
-                   linearization.Delta(problem.world_from_body, problem.body_from_cam[1].rotation));
+  marginalizer.Add(system.hessian, system.gradient, Delta(linearization));
 }
 
 }  // namespace gluevo::vo

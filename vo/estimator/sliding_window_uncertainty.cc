@@ -15,13 +15,11 @@ Eigen::Matrix<double, 6, 6> ToBodyAxes(const Rigid3& world_from_body) {
   return to_body;
 }
 
-// Mean square of whitened residuals (1 where they are as large as the noise that was assumed): the
-// views' two rows each, less what was estimated.
-double MeanSquare(const WindowProblem& problem, double views_cost) {
+// The views' two rows each, less what is estimated.
+double Freedom(const WindowProblem& problem) {
   const double unknowns = 3.0 * static_cast<double>(problem.points.size()) +
                           6.0 * static_cast<double>(problem.world_from_body.size() - 1);
-  const double freedom = 2.0 * static_cast<double>(problem.views.size()) - unknowns;
-  return freedom > 0.0 ? 2.0 * views_cost / freedom : 1.0;
+  return 2.0 * static_cast<double>(problem.views.size()) - unknowns;
 }
 
 }  // namespace
@@ -34,18 +32,24 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
   }
   Workspace& workspace = *workspace_;
   const WindowProblem& problem = workspace.problem;
-  WindowState& state = workspace.state;
-  state.world_from_body = problem.world_from_body;
-  state.turn = problem.turn;
-  state.points.resize(problem.points.size());
-  std::transform(problem.points.begin(), problem.points.end(), state.points.begin(),
-                 [](const WindowProblem::Point& point) { return point.position; });
+  workspace.state.Set(problem);
   workspace.equations.Set(problem);
-  workspace.equations.Linearize(state);
+  workspace.equations.Linearize(workspace.state);
   const auto both = workspace.equations.Covariance(static_cast<int>(FrameIndex(keyframe->id)),
                                                    static_cast<int>(frames_.size()) - 1);
   if (!both) {
     return std::nullopt;
+  }
+  const double freedom = Freedom(problem);
+  // Of whitened residuals: 1 where they are as large as the noise that was assumed.
+  const double scale = freedom > 0.0 ? 2.0 * workspace.equations.views_cost() / freedom : 1.0;
+  views_noise_.Learn(scale, freedom);
+  if (has_inertia()) {
+    inertial_covariance_ =
+        workspace.equations.CovarianceOfMotion(static_cast<int>(frames_.size()) - 1);
+    if (inertial_covariance_) {
+      *inertial_covariance_ *= views_noise_.Factor() * views_noise_.Factor();
+    }
   }
   const Rigid3& world_from_body = frames_.back().world_from_body;
   const Rigid3 keyframe_from_body = keyframe->world_from_body.Inverse() * world_from_body;
@@ -53,7 +57,6 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
   Eigen::Matrix<double, 6, 12> of_motion;
   of_motion << -ErrorThrough(keyframe_from_body) * ToBodyAxes(keyframe->world_from_body),
       ToBodyAxes(world_from_body);
-  const double scale = MeanSquare(problem, workspace.equations.views_cost());
   return Motion{keyframe_from_body, scale * of_motion * *both * of_motion.transpose()};
 }
 

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "window_inertial.h"
+
 namespace gluevo::vo {
 
 void WindowEquations::Set(const WindowProblem& problem) {
@@ -13,17 +15,20 @@ void WindowEquations::Set(const WindowProblem& problem) {
 
 double WindowEquations::Cost(const WindowState& state) {
   geometry_.Set(*problem_, state.world_from_body, state.turn);
-  return ViewsCost(*problem_, geometry_, state.points) + priors_.Cost(state);
+  return ViewsCost(*problem_, geometry_, state.points) + priors_.Cost(state) +
+         InertialCost(*problem_, state);
 }
 
 void WindowEquations::Linearize(const WindowState& state) {
   geometry_.Set(*problem_, state.world_from_body, state.turn);
   system_.Reset({.frames = static_cast<int>(state.world_from_body.size()),
                  .fixed_frames = 1,
-                 .has_turn = problem_->turn_sigma > 0.0});
+                 .has_turn = problem_->turn_sigma > 0.0,
+                 .has_inertia = problem_->has_inertia()});
   points_.Linearize(*problem_, geometry_, geometry_, state.points, system_);
   views_cost_ = system_.cost;
   priors_.AddTo(state, system_);
+  AddInertial(*problem_, state, system_);
 }
 
 bool WindowEquations::Solve(double damping) {
@@ -35,11 +40,9 @@ bool WindowEquations::Solve(double damping) {
   step_ = system_.gradient;
   points_.Invert(damping);
   points_.Eliminate(reduced_, step_);
-  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(reduced_);
-  if (factors.info() != Eigen::Success) {
+  if (!SolveReduced()) {
     return false;
   }
-  factors.solveInPlace(step_);
   step_ = -step_;
   // Half of -g^T d + d^T D d, by how the damped equations are solved.
   double twice_decrease = -system_.gradient.dot(step_);
@@ -49,6 +52,19 @@ bool WindowEquations::Solve(double damping) {
   twice_decrease += points_.Solve(damping, step_);
   predicted_decrease_ = 0.5 * twice_decrease;
   return step_.allFinite() && std::isfinite(predicted_decrease_);
+}
+
+bool WindowEquations::SolveReduced() {
+  if (system_.columns.has_inertia) {
+    return motions_.Eliminate(system_.columns, reduced_, step_) &&
+           motions_.Solve(system_.columns, reduced_, step_);
+  }
+  const Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factors(reduced_);
+  if (factors.info() != Eigen::Success) {
+    return false;
+  }
+  factors.solveInPlace(step_);
+  return true;
 }
 
 std::optional<Eigen::Matrix<double, 12, 12>> WindowEquations::Covariance(int first, int second) {
@@ -76,6 +92,21 @@ std::optional<Eigen::Matrix<double, 12, 12>> WindowEquations::Covariance(int fir
       covariance.middleRows<6>(6 * i) = columns_.middleRows<6>(columns[i]);
     }
   }
+  return covariance.allFinite() ? std::optional(covariance) : std::nullopt;
+}
+
+std::optional<WindowEquations::MotionCovariance> WindowEquations::CovarianceOfMotion(int frame) {
+  constexpr int kMotion = WindowColumns::kMotion;
+  constexpr int kGravity = WindowColumns::kGravity;
+  const int motion = system_.columns.Motion(frame);
+  const int gravity = system_.columns.Gravity();
+  columns_.setZero(reduced_.rows(), kMotion + kGravity);
+  columns_.block<kMotion, kMotion>(motion, 0).setIdentity();
+  columns_.block<kGravity, kGravity>(gravity, kMotion).setIdentity();
+  reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);
+  reduced_.transpose().triangularView<Eigen::Upper>().solveInPlace(columns_);
+  MotionCovariance covariance;
+  covariance << columns_.middleRows<kMotion>(motion), columns_.middleRows<kGravity>(gravity);
   return covariance.allFinite() ? std::optional(covariance) : std::nullopt;
 }
 

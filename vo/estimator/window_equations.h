@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "window_motions.h"
 #include "window_points.h"
 #include "window_priors.h"
 #include "window_problem.h"
@@ -12,8 +13,8 @@
 
 namespace gluevo::vo {
 
-/// A problem's cost and normal equations: the points' and the priors' parts together. Allocates
-/// only for problems larger than ever before.
+/// A problem's cost and normal equations: the parts of points, priors and the inertial unit
+/// together. Allocates only for problems larger than ever before.
 class WindowEquations {
  public:
   /// Of this problem from now on; it must outlive their use.
@@ -38,16 +39,24 @@ class WindowEquations {
   /// last has it where views have the standard deviations that the problem says; a fixed frame's is
   /// zero. Nothing where the equations do not settle them.
   std::optional<Eigen::Matrix<double, 12, 12>> Covariance(int first, int second);
+  /// Likewise of a frame's velocity and biases (VelocityAndBias) and of gravity's turn, once
+  /// Covariance() has given something.
+  using MotionCovariance = Eigen::Matrix<double, 11, 11>;
+  std::optional<MotionCovariance> CovarianceOfMotion(int frame);
   /// By how much the linearised problem says that the cost falls with the step.
   double predicted_decrease() const { return predicted_decrease_; }
 
  private:
+  /// The damped equations without points, of which step_ is the right side, for step_.
+  bool SolveReduced();
+
   const WindowProblem* problem_ = nullptr;
   WindowGeometry geometry_;
   WindowPoints points_;
   WindowPriors priors_;
+  WindowMotions motions_;
   WindowSystem system_;
-  Eigen::MatrixXd reduced_;
+  Eigen::MatrixXd reduced_;  ///< After Covariance() its Cholesky factor.
   Eigen::VectorXd step_;
   Eigen::MatrixXd columns_;  ///< Of the inverse.
   double views_cost_ = 0.0;

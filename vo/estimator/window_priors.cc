@@ -32,7 +32,19 @@ void WindowPriors::SetResidual(const WindowState& state) {
         Minus(state.world_from_body[static_cast<std::size_t>(problem_->prior_frames[i])],
               prior.world_from_body[i]);
   }
-  delta_.tail<3>() = problem_->prior_turn_so_far + state.turn;
+  delta_.segment<3>(prior.TurnColumn()) = problem_->prior_turn_so_far + state.turn;
+  for (std::size_t i = 0; i < prior.motions.size(); ++i) {
+    const VelocityAndBias& motion =
+        state.motions[static_cast<std::size_t>(problem_->prior_frames[i])];
+    delta_.segment<PosePrior::kMotion>(prior.MotionColumn(i))
+        << motion.velocity_in_world - prior.motions[i].velocity_in_world,
+        motion.bias.gyroscope - prior.motions[i].bias.gyroscope,
+        motion.bias.accelerometer - prior.motions[i].bias.accelerometer;
+  }
+  if (prior.gravity_turn) {
+    delta_.segment<PosePrior::kGravity>(prior.GravityColumn()) =
+        state.gravity_turn - *prior.gravity_turn;
+  }
   residual_ = prior.residual;
   residual_.noalias() += prior.jacobian * delta_;
 }
@@ -48,8 +60,9 @@ double WindowPriors::Cost(const WindowState& state) {
 
 void WindowPriors::AddTurnTo(const WindowState& state, WindowSystem& system) const {
   const double information = 1.0 / (problem_->turn_sigma * problem_->turn_sigma);
-  system.hessian.diagonal().tail<3>().array() += information;
-  system.gradient.tail<3>() += information * (problem_->turn_so_far + state.turn);
+  const int turn = system.columns.Turn();
+  system.hessian.diagonal().segment<3>(turn).array() += information;
+  system.gradient.segment<3>(turn) += information * (problem_->turn_so_far + state.turn);
 }
 
 void WindowPriors::AddTo(const WindowState& state, WindowSystem& system) {
@@ -70,7 +83,7 @@ void WindowPriors::AddTo(const WindowState& state, WindowSystem& system) {
         InverseRightJacobian(delta_.segment<3>(PoseInPrior(i) + 3));
   }
   const int turn = columns.Turn();
-  const Eigen::Index turn_in_prior = hessian_.cols() - 3;
+  const Eigen::Index turn_in_prior = problem_->prior->TurnColumn();
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const int row = columns.Of(frames[i]);
     if (row < 0) {
@@ -91,8 +104,46 @@ void WindowPriors::AddTo(const WindowState& state, WindowSystem& system) {
     }
   }
   if (columns.has_turn) {
-    system.hessian.block<3, 3>(turn, turn) += hessian_.bottomRightCorner<3, 3>();
-    system.gradient.segment<3>(turn) += gradient_.tail<3>();
+    system.hessian.block<3, 3>(turn, turn) += hessian_.block<3, 3>(turn_in_prior, turn_in_prior);
+    system.gradient.segment<3>(turn) += gradient_.segment<3>(turn_in_prior);
+  }
+  if (problem_->prior->gravity_turn) {
+    AddInertiaTo(system);
+  }
+}
+
+void WindowPriors::AddInertiaTo(WindowSystem& system) const {
+  const PosePrior& prior = *problem_->prior;
+  const WindowColumns& columns = system.columns;
+  const std::vector<int>& frames = problem_->prior_frames;
+  struct Block {
+    Eigen::Index in_prior;
+    int column;
+    int size;
+  };
+  const std::size_t motions = prior.motions.size();
+  const auto block_at = [&](std::size_t i) {
+    return i < motions ? Block{prior.MotionColumn(i), columns.Motion(frames[i]), PosePrior::kMotion}
+                       : Block{prior.GravityColumn(), columns.Gravity(), PosePrior::kGravity};
+  };
+  for (std::size_t i = 0; i <= motions; ++i) {
+    const Block row = block_at(i);
+    system.gradient.segment(row.column, row.size) += gradient_.segment(row.in_prior, row.size);
+    for (std::size_t j = 0; j < frames.size(); ++j) {
+      if (const int column = columns.Of(frames[j]); column >= 0) {
+        system.hessian.block(row.column, column, row.size, kPose).noalias() +=
+            hessian_.block(row.in_prior, PoseInPrior(j), row.size, kPose) * by_step_[j];
+      }
+    }
+    if (columns.has_turn) {
+      system.hessian.block(row.column, columns.Turn(), row.size, 3) +=
+          hessian_.block(row.in_prior, prior.TurnColumn(), row.size, 3);
+    }
+    for (std::size_t j = 0; j <= i; ++j) {
+      const Block column = block_at(j);
+      system.hessian.block(row.column, column.column, row.size, column.size) +=
+          hessian_.block(row.in_prior, column.in_prior, row.size, column.size);
+    }
   }
 }
 

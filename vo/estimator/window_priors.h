@@ -24,6 +24,8 @@ class WindowPriors {
   /// The prior's residual at the state, and how far that is from the linearisation point.
   void SetResidual(const WindowState& state);
   void AddTurnTo(const WindowState& state, WindowSystem& system) const;
+  /// The rows of motions and gravity, once by_step_ and gradient_ are set.
+  void AddInertiaTo(WindowSystem& system) const;
 
   const WindowProblem* problem_ = nullptr;
   Eigen::MatrixXd hessian_;  ///< J^T J at the linearisation point, of no state.

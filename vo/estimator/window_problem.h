@@ -6,22 +6,22 @@
 
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/estimator/pose_prior.h"
+#include "gluevo/vo/inertial/gravity.h"
+#include "gluevo/vo/inertial/inertial_factor.h"
+#include "gluevo/vo/inertial/inertial_residual.h"
 
 namespace gluevo::vo {
 
 /// The window's bundle adjustment as plain data, the same for every solver: the poses of frames,
 /// the turn of the right camera, and points that the frames see (Qin et al. 2018, section VI).
-/// A solver changes `world_from_body` (but for the first, the gauge), `turn` and the points.
+/// A solver changes `world_from_body` (but for the first, the gauge), `turn`, the points, and with
+/// an inertial unit `motions` and gravity's turn.
 ///
-/// To add a measurement that is not a view, an inertial one between two frames that follow each
-/// other, say:
-/// - its data become a member here, and what it estimates besides the pose (velocity, biases) a
-///   vector with an entry a frame, here and in WindowState;
-/// - WindowColumns::kFrame grows to the size of a frame's whole tangent (15), the pose's first: the
-///   points' elimination speaks of the first six columns of a frame and stays as it is;
-/// - a file of its own, like window_priors.h, has its cost and adds its part of the normal
-///   equations to a WindowSystem; WindowEquations calls both where it calls the priors';
-///   WindowSolver moves a state by a frame's whole step.
+/// To add a measurement that is not a view: its data become a member here, what it estimates beside
+/// the poses a member here and in WindowState, with columns behind those that there are
+/// (WindowColumns); a file of its own, like window_inertial.h, has its cost and adds its part of
+/// the normal equations to a WindowSystem; WindowEquations calls both; WindowSolver moves a state
+/// by the step.
 ///
 /// All points are on the normalised plane; `weight` is one over their standard deviation there, so
 /// residuals have no unit. A point is carried homogeneously, as ray + inverse depth * (...), so
@@ -59,6 +59,15 @@ struct WindowProblem {
   std::vector<int> prior_frames;     ///< The frames that it speaks of, in its order.
   /// The turn from the prior's linearisation point to body_from_cam.
   Eigen::Vector3d prior_turn_so_far = Eigen::Vector3d::Zero();
+
+  /// With an inertial unit, whose frame is the body's: an entry a frame. Else empty, as the next.
+  std::vector<VelocityAndBias> motions;
+  /// What was measured from each frame to the next one: one fewer than frames.
+  std::vector<const InertialFactor*> measured;
+  /// The poses' gauge is a whole pose, so that gravity's direction in the world is to be found.
+  GravityEstimate gravity;
+
+  bool has_inertia() const { return !motions.empty(); }
 };
 
 /// What a solver changes, as it goes: the parts of WindowProblem of the same names.
@@ -66,6 +75,10 @@ struct WindowState {
   std::vector<Rigid3> world_from_body;
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   std::vector<Eigen::Vector3d> points;
+  std::vector<VelocityAndBias> motions = {};
+  Eigen::Vector2d gravity_turn = Eigen::Vector2d::Zero();
+
+  void Set(const WindowProblem& problem);
 };
 
 /// When a solver ends. By counts and costs and never by time, so that results repeat.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "window_inertial.h"
+
 namespace gluevo::vo {
 namespace {
 
@@ -34,7 +36,13 @@ constexpr double kLeastGain = 1e-3;
 
 // What is not finite counts as behind the cameras, at a cost that is.
 bool IsFinite(const WindowProblem& problem) {
-  return problem.turn.allFinite() &&
+  return problem.turn.allFinite() && problem.gravity.turn.allFinite() &&
+         std::all_of(problem.motions.begin(), problem.motions.end(),
+                     [](const VelocityAndBias& motion) {
+                       return motion.velocity_in_world.allFinite() &&
+                              motion.bias.gyroscope.allFinite() &&
+                              motion.bias.accelerometer.allFinite();
+                     }) &&
          std::all_of(problem.world_from_body.begin(), problem.world_from_body.end(),
                      [](const Rigid3& pose) {
                        return pose.translation.allFinite() && pose.rotation.coeffs().allFinite();
@@ -44,6 +52,16 @@ bool IsFinite(const WindowProblem& problem) {
 }
 
 }  // namespace
+
+void WindowState::Set(const WindowProblem& problem) {
+  world_from_body = problem.world_from_body;
+  turn = problem.turn;
+  points.resize(problem.points.size());
+  std::transform(problem.points.begin(), problem.points.end(), points.begin(),
+                 [](const WindowProblem::Point& point) { return point.position; });
+  motions = problem.motions;
+  gravity_turn = problem.gravity.turn;
+}
 
 void WindowSolver::MoveBy(const WindowState& from, WindowState& to) const {
   const WindowColumns& columns = equations_.columns();
@@ -59,6 +77,15 @@ void WindowSolver::MoveBy(const WindowState& from, WindowState& to) const {
   if (columns.has_turn) {
     to.turn += step.segment<3>(columns.Turn());
   }
+  to.motions.resize(from.motions.size());
+  for (std::size_t i = 0; i < from.motions.size(); ++i) {
+    to.motions[i] = Plus(from.motions[i],
+                         step.segment<WindowColumns::kMotion>(columns.Motion(static_cast<int>(i))));
+  }
+  to.gravity_turn = from.gravity_turn;
+  if (columns.has_inertia) {
+    to.gravity_turn += step.segment<WindowColumns::kGravity>(columns.Gravity());
+  }
   to.points.resize(from.points.size());
   for (std::size_t i = 0; i < from.points.size(); ++i) {
     to.points[i] = from.points[i] + equations_.point_steps()[i];
@@ -69,11 +96,7 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
   if (!IsFinite(problem)) {
     return false;
   }
-  state_.world_from_body = problem.world_from_body;
-  state_.turn = problem.turn;
-  state_.points.resize(problem.points.size());
-  std::transform(problem.points.begin(), problem.points.end(), state_.points.begin(),
-                 [](const WindowProblem::Point& point) { return point.position; });
+  state_.Set(problem);
   equations_.Set(problem);
   equations_.Linearize(state_);
   double cost = equations_.cost();
@@ -112,6 +135,8 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
   }
   problem.world_from_body = state_.world_from_body;
   problem.turn = state_.turn;
+  problem.motions = state_.motions;
+  problem.gravity.turn = state_.gravity_turn;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     problem.points[i].position = state_.points[i];
   }

@@ -7,20 +7,26 @@
 
 namespace gluevo::vo {
 
-/// Which columns of the normal equations are whose: frames in order, each with its tangent, then
-/// the turn.
+/// Which columns of the normal equations are whose: frames in order, each with the tangent of its
+/// pose, then the turn; then, with an inertial unit, frames in order, each with its velocity and
+/// biases, and gravity's turn.
 struct WindowColumns {
-  /// Columns of a frame; the first six are its PoseTangent.
   static constexpr int kFrame = kPoseTangentSize;
+  static constexpr int kMotion = 9;
+  static constexpr int kGravity = 2;
 
   int frames = 0;
   int fixed_frames = 0;   ///< 0 or 1: so many have no columns.
   bool has_turn = false;  ///< Whether the turn is estimated.
+  bool has_inertia = false;
 
   /// The first of a frame, negative for a fixed one.
   int Of(int frame) const { return frame < fixed_frames ? -1 : kFrame * (frame - fixed_frames); }
   int Turn() const { return kFrame * (frames - fixed_frames); }
-  int Count() const { return Turn() + (has_turn ? 3 : 0); }
+  /// Those of a fixed frame are there, too: the gauge is a pose.
+  int Motion(int frame) const { return Turn() + (has_turn ? 3 : 0) + kMotion * frame; }
+  int Gravity() const { return Motion(frames); }
+  int Count() const { return has_inertia ? Gravity() + kGravity : Motion(0); }
 };
 
 /// Normal equations of frames and the turn, to which each kind of measurement adds its part.

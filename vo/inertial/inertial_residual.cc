@@ -10,6 +10,10 @@ using inertial_block::kPosition;
 using inertial_block::kRotation;
 using inertial_block::kVelocity;
 
+InertialState StateOf(const Rigid3& world_from_body, const VelocityAndBias& motion) {
+  return {world_from_body, motion.velocity_in_world, motion.bias};
+}
+
 InertialState Plus(const InertialState& state, const InertialVector& delta) {
   return {Plus(state.world_from_body, PoseTangent(delta.head<kPoseTangentSize>())),
           state.velocity_in_world + delta.segment<3>(kVelocity),

@@ -1,7 +1,10 @@
 // Kalibr's camchain, with or without an IMU, and OpenVINS' form of it (T_imu_cam).
 
+#include <cmath>
+
 #include "calibration_parts.h"
 #include "gluevo/nn/error.h"
+#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -38,6 +41,22 @@ void CompareTransforms(const Rigid3& by_chain, const Rigid3& by_imu, Calibration
   }
 }
 
+// Of the left camera, whose times the pairs have.
+void ReadTimeShift(const YAML::Node& left, const YAML::Node& right, const fs::path& path,
+                   Calibration& calibration) {
+  const std::string key = "timeshift_cam_imu";
+  constexpr double kApart = 1e-3;  // seconds
+  if (!left[key]) {
+    return;
+  }
+  calibration.imu_time_shift_s = YamlNumbers(left, key, 1, path)[0];
+  if (right[key] &&
+      std::abs(YamlNumbers(right, key, 1, path)[0] - calibration.imu_time_shift_s) > kApart) {
+    calibration.warnings.emplace_back(
+        "timeshift_cam_imu of both cameras differ by more than 1 ms: that of cam0 is taken");
+  }
+}
+
 void ReadChain(const CalibrationFile& file, Calibration& calibration) {
   const fs::path& path = file.path;
   for (const char* const name : {"cam0", "cam1"}) {
@@ -68,6 +87,7 @@ void ReadChain(const CalibrationFile& file, Calibration& calibration) {
         ": cam1 has no T_cn_cnm1, the transform from cam0, and the cameras have no T_cam_imu "
         "or T_imu_cam");
   }
+  ReadTimeShift(left, right, path, calibration);
   if (file.Has("cam2")) {
     calibration.notes.emplace_back(
         "cam0 is taken as left, cam1 as right; other cameras are not read");

@@ -107,6 +107,9 @@ void Read(const CalibrationInput& input, Calibration& calibration) {
                 "cam1_calib, body_T_cam0, body_T_cam1)");
   }
   calibration.rig.body_frame = "imu (body)";
+  if (config.Has("td")) {
+    calibration.imu_time_shift_s = YamlNumbers(config.tree, "td", 1, path)[0];
+  }
   for (std::size_t side = 0; side < 2; ++side) {
     const std::string number = std::to_string(side);
     const std::string key = "cam" + number + "_calib";

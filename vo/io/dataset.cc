@@ -8,6 +8,7 @@
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/image_file.h"
+#include "imu_faults.h"
 
 namespace gluevo::vo {
 namespace {
@@ -135,6 +136,10 @@ Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
                 ": a KITTI data set has its own calibration: --calibration is for plain (--format "
                 "plain) and EuRoC data sets");
   }
+  if ((options.imu || options.imu_calibration) && !format.takes_calibration) {
+    throw Error(root.string() +
+                ": a KITTI data set has its own inertial readings (oxts), which take no others");
+  }
   return format.open(root, options);
 }
 
@@ -207,6 +212,14 @@ Dataset OpenDataset(const fs::path& path, const DatasetOptions& options) {
       throw Error(dataset.entries[i].images[0].string() +
                   ": its time is not after that of the image before");
     }
+  }
+  if (dataset.imu) {
+    std::vector<int64_t> times_ns;
+    times_ns.reserve(dataset.entries.size());
+    for (const Dataset::Entry& entry : dataset.entries) {
+      times_ns.push_back(entry.timestamp_ns);
+    }
+    CheckCoverage(times_ns, *dataset.imu);
   }
   return dataset;
 }

@@ -72,6 +72,7 @@ void SetCalibration(const std::vector<fs::path>& files, Dataset& dataset) {
   const Calibration calibration = ReadCalibration(files, FirstImageSize(dataset));
   dataset.rig = calibration.rig;
   dataset.calibration = calibration.files.front();
+  dataset.imu_time_shift_s = calibration.imu_time_shift_s;
   // What is of one file of several says so itself.
   const auto named = [&](const std::string& text) {
     const bool is_named =

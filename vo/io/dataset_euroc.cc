@@ -9,6 +9,7 @@
 #include "gluevo/nn/error.h"
 #include "groundtruth.h"
 #include "image_pairs.h"
+#include "imu_source.h"
 #include "stamp_unit.h"
 #include "text_file.h"
 
@@ -168,6 +169,7 @@ Dataset OpenEuroc(const fs::path& root, const DatasetOptions& options) {
   const std::vector<fs::path> candidates = {mav0 / "state_groundtruth_estimate0" / "data.csv",
                                             mav0 / "mocap0" / "data.csv"};
   AddGroundtruth(options, candidates, {}, dataset);
+  AddImu(options, EurocImuFiles(mav0), dataset);
   return dataset;
 }
 

@@ -6,9 +6,9 @@
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
 #include "groundtruth.h"
+#include "imu_source.h"
 #include "kitti_files.h"
 #include "text_file.h"
-#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -53,16 +53,13 @@ StereoRig UnrectifiedRig(const KittiCalibration& calibration,
     const std::string suffix = "_" + numbers[side];
     const std::vector<double>& k = calibration.Get("K" + suffix, 9);
     const std::vector<double>& d = calibration.Get("D" + suffix, 5);
-    const std::vector<double>& r = calibration.Get("R" + suffix, 9);
     const std::vector<double>& t = calibration.Get("T" + suffix, 3);
     Camera& camera = rig.cameras[side];
     camera = {size[0], size[1], /*fx=*/k[0], /*fy=*/k[4], /*cx=*/k[2], /*cy=*/k[5]};
     camera.distortion = Distortion::kRadialTangential;
     std::copy(d.begin(), d.end(), camera.coefficients.begin());
     camera.Validate(calibration.path().string() + ": K" + suffix);
-    cam_from_reference[side] =
-        RigidFromRows({r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2]},
-                      "R" + suffix, calibration.path());
+    cam_from_reference[side] = KittiTransform(calibration, "R" + suffix, {t[0], t[1], t[2]});
   }
   rig.body_from_cam[1] = cam_from_reference[0] * cam_from_reference[1].Inverse();
   return rig;
@@ -127,6 +124,7 @@ Dataset OpenKittiRaw(const fs::path& root, const DatasetOptions& options) {
   dataset.rig = ReadRig(KittiCalibration(dataset.calibration), cameras,
                         pairs.front().images[0].path, FirstImageSize(dataset));
   AddGroundtruth(options, {}, {{}, times}, dataset);
+  AddOxts(cameras.numbers[0], FirstDate(times_file), dataset);
   return dataset;
 }
 

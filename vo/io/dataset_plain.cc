@@ -10,6 +10,7 @@
 #include "groundtruth.h"
 #include "image_names.h"
 #include "image_pairs.h"
+#include "imu_source.h"
 #include "plain_images.h"
 #include "times_file.h"
 
@@ -229,6 +230,7 @@ Dataset OpenPlain(const fs::path& root, const DatasetOptions& options) {
   }
   SetCalibration(CalibrationFiles(options), dataset);
   AddGroundtruth(options, {}, {}, dataset);
+  AddImu(options, EurocImuFiles(root), dataset);
   return dataset;
 }
 

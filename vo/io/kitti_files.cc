@@ -9,6 +9,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/image_file.h"
 #include "text_file.h"
+#include "yaml_file.h"
 
 namespace gluevo::vo {
 namespace {
@@ -110,9 +111,15 @@ std::vector<ImagePair> ListNumberedPairs(const std::array<fs::path, 2>& folders,
   return pairs.pairs;
 }
 
-std::vector<std::optional<int64_t>> ParseTimestamps(std::string_view text, const fs::path& path) {
+Rigid3 KittiTransform(const KittiCalibration& calibration, const std::string& key,
+                      const Eigen::Vector3d& t) {
+  const std::vector<double>& r = calibration.Get(key, 9);
+  return RigidFromRows({r[0], r[1], r[2], t[0], r[3], r[4], r[5], t[1], r[6], r[7], r[8], t[2]},
+                       key, calibration.path());
+}
+
+std::vector<std::optional<int64_t>> ParseDates(std::string_view text, const fs::path& path) {
   std::vector<std::optional<int64_t>> times;
-  int64_t first = 0;
   for (const TextLine& line : SplitLines(text, path, /*skip_comments=*/false)) {
     if (line.text.empty() && !times.empty()) {
       times.emplace_back();
@@ -123,10 +130,16 @@ std::vector<std::optional<int64_t>> ParseTimestamps(std::string_view text, const
       throw Error(At(path, line) + ": " + Quoted(line.text) +
                   " is not a time, expected YYYY-MM-DD HH:MM:SS.nnnnnnnnn");
     }
-    if (times.empty()) {
-      first = *time;
-    }
-    times.emplace_back(*time - first);
+    times.emplace_back(*time);
+  }
+  return times;
+}
+
+std::vector<std::optional<int64_t>> ParseTimestamps(std::string_view text, const fs::path& path) {
+  std::vector<std::optional<int64_t>> times = ParseDates(text, path);
+  const int64_t first = times.empty() ? 0 : times.front().value_or(0);
+  for (std::optional<int64_t>& time : times) {
+    time = time ? std::optional(*time - first) : time;
   }
   return times;
 }

@@ -44,9 +44,17 @@ StereoRig RectifiedRig(const KittiCalibration& calibration, const std::array<std
 std::vector<ImagePair> ListNumberedPairs(const std::array<std::filesystem::path, 2>& folders,
                                          Dataset& dataset);
 
-/// The times of a drive's timestamps.txt, a date a row, in nanoseconds after the first; nothing for
-/// a blank row. `path` is the file's name in messages. Throws Error with file and line for any
-/// other row.
+/// A rigid transform of the nine numbers of a rotation under `key`, row by row, and a translation
+/// in metres. Throws Error naming file and key where it is no rotation.
+Rigid3 KittiTransform(const KittiCalibration& calibration, const std::string& key,
+                      const Eigen::Vector3d& translation);
+
+/// The times of a drive's timestamps.txt, a date a row, in nanoseconds since 1970; nothing for a
+/// blank row. `path` is the file's name in messages. Throws Error with file and line for any other
+/// row.
+std::vector<std::optional<int64_t>> ParseDates(std::string_view text,
+                                               const std::filesystem::path& path);
+/// The same in nanoseconds after the first.
 std::vector<std::optional<int64_t>> ParseTimestamps(std::string_view text,
                                                     const std::filesystem::path& path);
 

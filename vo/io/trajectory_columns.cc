@@ -1,96 +1,13 @@
 #include "trajectory_columns.h"
 
 #include <algorithm>
-#include <cctype>
-#include <initializer_list>
 #include <string>
 #include <vector>
 
-#include "text_file.h"
+#include "column_names.h"
 
 namespace gluevo::vo {
 namespace {
-
-using Words = std::vector<std::string>;
-
-bool IsOneOf(const std::string& word, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* other) { return word == other; });
-}
-
-Words LowerCaseWords(std::string_view text) {
-  Words words;
-  bool inside = false;
-  for (const char c : text) {
-    const auto letter = static_cast<unsigned char>(c);
-    if (std::isalnum(letter) == 0) {
-      inside = false;
-      continue;
-    }
-    if (!inside) {
-      words.emplace_back();
-    }
-    words.back().push_back(static_cast<char>(std::tolower(letter)));
-    inside = true;
-  }
-  return words;
-}
-
-/// "p_RS_R_x [m]": the words before the bracket, and those in it.
-struct ColumnName {
-  Words words;
-  Words unit;
-};
-
-std::vector<ColumnName> SplitHeader(std::string_view header) {
-  while (!header.empty() && (header.front() == '#' || header.front() == '%' ||
-                             header.front() == '/' || header.front() == ' ')) {
-    header.remove_prefix(1);
-  }
-  char separator = ' ';
-  for (const char candidate : {',', ';', '\t'}) {
-    if (separator == ' ' && header.find(candidate) != std::string_view::npos) {
-      separator = candidate;
-    }
-  }
-  std::vector<ColumnName> names;
-  for (const std::string_view field : SplitFields(header, separator)) {
-    const std::size_t bracket = std::min(field.find_first_of("[("), field.size());
-    const ColumnName name = {LowerCaseWords(field.substr(0, bracket)),
-                             LowerCaseWords(field.substr(bracket))};
-    // "timestamp [ns] x [m]" between blanks: the bracket belongs to the name before it.
-    if (separator == ' ' && bracket == 0 && !names.empty()) {
-      names.back().unit = name.unit;
-    } else {
-      names.push_back(name);
-    }
-  }
-  return names;
-}
-
-std::optional<TimeUnit> UnitOf(const Words& words) {
-  for (const std::string& word : words) {
-    if (IsOneOf(word, {"s", "sec", "secs", "second", "seconds"})) {
-      return TimeUnit::kSeconds;
-    }
-    if (IsOneOf(word, {"ms", "msec", "msecs", "millis", "millisecond", "milliseconds"})) {
-      return TimeUnit::kMilliseconds;
-    }
-    if (IsOneOf(word, {"us", "usec", "usecs", "micros", "microsecond", "microseconds"})) {
-      return TimeUnit::kMicroseconds;
-    }
-    if (IsOneOf(word, {"ns", "nsec", "nsecs", "nanos", "nanosec", "nanosecond", "nanoseconds"})) {
-      return TimeUnit::kNanoseconds;
-    }
-  }
-  return std::nullopt;
-}
-
-bool IsTime(const Words& words) {
-  return (words.size() == 1 && (words[0] == "t" || UnitOf(words))) ||
-         std::any_of(words.begin(), words.end(), [](const std::string& word) {
-           return IsOneOf(word, {"ts", "time", "times", "timestamp", "timestamps", "stamp"});
-         });
-}
 
 enum class Kind { kPosition, kQuaternion, kOther };
 
@@ -223,7 +140,7 @@ std::size_t ColumnsNamed(std::string_view header) {
 std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
   std::vector<ColumnName> names = SplitHeader(header);
   PoseColumns columns;
-  std::optional<std::size_t> time;
+  const std::optional<TimeColumn> time = TimeColumnOf(names);
   // "rx ry rz" beside "qx qy qz qw" are angles.
   const bool has_q = std::any_of(names.begin(), names.end(), [](const ColumnName& name) {
     return !name.words.empty() && name.words.front().starts_with('q');
@@ -234,15 +151,6 @@ std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
     TakeLength(names[i]);
     Words words = names[i].words;
     if (IsTime(words)) {
-      const std::optional<TimeUnit> unit =
-          names[i].unit.empty() ? UnitOf(words) : UnitOf(names[i].unit);
-      if (!time) {
-        time = i;
-        columns.unit = unit;
-      } else if (columns.unit == TimeUnit::kSeconds && unit == TimeUnit::kNanoseconds &&
-                 i == *time + 1) {
-        columns.nanoseconds = i;
-      }
       continue;
     }
     if (const auto axis = AxisOfQuaternion(words, columns.is_numbered)) {
@@ -265,7 +173,7 @@ std::optional<PoseColumns> ColumnsOfHeader(std::string_view header) {
   if (!time || !Complete(position) || !Complete(rotation)) {
     return std::nullopt;
   }
-  columns.time = *time;
+  static_cast<TimeColumn&>(columns) = *time;
   columns.metres = LengthOf(names[*position[0]].unit).value_or(1.0);
   std::transform(position.begin(), position.end(), columns.position.begin(),
                  [](const auto& place) { return *place; });

@@ -5,19 +5,14 @@
 #include <optional>
 #include <string_view>
 
+#include "column_names.h"
+
 namespace gluevo::vo {
 
-/// A unit of time; its value is the number of decimals that separate it from a nanosecond.
-enum class TimeUnit { kNanoseconds = 0, kMicroseconds = 3, kMilliseconds = 6, kSeconds = 9 };
-
 /// Where the numbers of a pose stand in the row of a table, from 0.
-struct PoseColumns {
-  std::size_t time = 0;
-  /// ROS writes a time as seconds and nanoseconds in two columns: the second one.
-  std::optional<std::size_t> nanoseconds;
+struct PoseColumns : TimeColumn {
   std::array<std::size_t, 3> position = {1, 2, 3};     ///< x y z
   std::array<std::size_t, 4> rotation = {4, 5, 6, 7};  ///< The quaternion's x y z w.
-  std::optional<TimeUnit> unit;                        ///< Where the table says it.
   double metres = 1.0;                                 ///< Of one unit of position.
   /// The quaternion is named q0 to q3: its w first, as most write it.
   bool is_numbered = false;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <limits>
 
 #include "gluevo/nn/error.h"
 #include "text_file.h"
@@ -16,8 +15,6 @@ namespace gluevo::vo {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int64_t kSecondNs = 1'000'000'000;
 
 Eigen::Quaterniond ParseQuaternion(const fs::path& path, const TextLine& line,
                                    const Eigen::Quaterniond& q, TrajectoryOddities& oddities) {
@@ -36,18 +33,6 @@ Eigen::Quaterniond ParseQuaternion(const fs::path& path, const TextLine& line,
     oddities.longest = std::max(oddities.longest, length);
   }
   return q.normalized();
-}
-
-std::optional<int64_t> ParseTime(const PoseColumns& columns,
-                                 const std::vector<std::string_view>& fields, TimeUnit unit) {
-  const std::optional<int64_t> time = ParseShifted(fields[columns.time], static_cast<int>(unit));
-  if (!columns.nanoseconds) {
-    return time;
-  }
-  const std::optional<int64_t> rest = ParseInteger(fields[*columns.nanoseconds]);
-  const bool valid = time && rest && *rest >= 0 && *rest < kSecondNs &&
-                     *time <= std::numeric_limits<int64_t>::max() - *rest;
-  return valid ? std::optional(*time + *rest) : std::nullopt;
 }
 
 /// The pose of a row of a table; nothing where it has none.

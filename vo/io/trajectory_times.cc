@@ -76,7 +76,8 @@ std::string NameOf(TimeUnit unit) {
   return "nanoseconds";
 }
 
-TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual, bool is_named) {
+TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual, bool is_named,
+                        double typical_s) {
   std::vector<double> values;
   values.reserve(times.size());
   double largest = 0.0;
@@ -107,11 +108,9 @@ TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usu
   if (possible(usual)) {
     return usual;
   }
-  // Most poses come 20 a second.
-  constexpr double kTypical = 0.05;
   std::optional<TimeUnit> best;
   const auto oddness = [&](TimeUnit unit) {
-    return std::abs(std::log(Seconds(*step, unit) / kTypical));
+    return std::abs(std::log(Seconds(*step, unit) / typical_s));
   };
   for (const TimeUnit unit : kUnits) {
     if (possible(unit) && (!best || oddness(unit) < oddness(*best))) {

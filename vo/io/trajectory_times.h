@@ -10,6 +10,9 @@
 
 namespace gluevo::vo {
 
+/// Most poses come 20 a second.
+inline constexpr double kTypicalPoseStepS = 0.05;
+
 /// "seconds", ..., for messages.
 std::string NameOf(TimeUnit unit);
 
@@ -19,7 +22,7 @@ std::string NameOf(TimeUnit unit);
 /// 1000 s, unless a header names the usual unit (`is_named`) and it is possible. What is no number
 /// is passed over.
 TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usual,
-                        bool is_named = false);
+                        bool is_named = false, double typical_s = kTypicalPoseStepS);
 
 /// A pose and the line it stands in.
 struct PoseRow {

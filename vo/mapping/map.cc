@@ -33,6 +33,18 @@ void CheckImageNames(const std::array<std::string, 2>& names) {
   }
 }
 
+void TurnWorld(const Eigen::Quaterniond& new_from_old_world, Map& map) {
+  const Rigid3 turn = {new_from_old_world, Eigen::Vector3d::Zero()};
+  for (Map::Keyframe& keyframe : map.keyframes) {
+    for (Rigid3& world_from_cam : keyframe.world_from_cam) {
+      world_from_cam = turn * world_from_cam;
+    }
+  }
+  for (Map::Point& point : map.points) {
+    point.point_in_world = turn * point.point_in_world;
+  }
+}
+
 void MapOptions::Validate() const {
   CheckPositive(max_reprojection_error_px, "map.max_reprojection_error_px");
   CheckAtLeast(min_views, 2, "map.min_views");

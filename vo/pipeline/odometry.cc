@@ -68,6 +68,9 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
   history_ = other.history_;
   noise_ = other.noise_;
   votes_ = std::move(other.votes_);
+  navigation_ = std::move(other.navigation_);
+  expected_ = other.expected_;
+  contradictions_ = other.contradictions_;
   uncertainty_ = other.uncertainty_;
   keyframe_ns_ = other.keyframe_ns_;
   last_timestamp_ns_ = other.last_timestamp_ns_;
@@ -88,6 +91,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   tracked = Track(frame);
   timer.End("frontend");
 
+  Expect(frame.timestamp_ns);
   std::optional<FramePose> pose = Locate(tracked, result);
   timer.End("estimator");
   while (!pose && Retry(tracked)) {
@@ -95,6 +99,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     pose = Locate(tracked, result);
     timer.End("estimator");
   }
+  HeedContradictions(pose.has_value(), result);
   last_timestamp_ns_ = frame.timestamp_ns;
   if (!pose && MayPassOver(tracked)) {
     PassOver(result);
@@ -104,9 +109,13 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   TrackedFrame at_rest = tracked;
   if (pose) {
     Judge(at_rest, *pose, result);
+  } else {
+    pose = Bridge(tracked);
+    result.is_bridged = pose.has_value();
   }
   const bool is_linked = pose && Estimate(at_rest, *pose);
   if (!is_linked) {
+    result.is_bridged = false;
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
   }
@@ -116,6 +125,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   Describe(result);
   Rate(is_linked, result);
   window_->Slide();
+  FollowInertia(is_linked, result);
   passed_over_ = 0;
   history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
   frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
@@ -139,13 +149,16 @@ bool Odometry::MayPassOver(const TrackedFrame& frame) const {
       static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
   const bool has_something_to_wait_for = window_->CountLandmarks() > 0;
   return CountStereo(frame) < options_.min_stereo ||
-         (has_something_to_wait_for && seconds <= options_.max_predicted_s);
+         (has_something_to_wait_for &&
+          seconds <= (expected_
+                          ? std::min(options_.max_predicted_s, options_.inertial.bridge_after_s)
+                          : options_.max_predicted_s));
 }
 
 void Odometry::PassOver(FrameResult& result) {
   ++passed_over_;
   result.is_predicted = true;
-  result.world_from_body = history_.Predict(result.timestamp_ns);
+  result.world_from_body = Predict(result.timestamp_ns);
   RateByMotionBefore(result);
   Describe(result);
   frontend_->Accept({.is_passed_over = true});
@@ -201,8 +214,8 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
   if (history_.last()) {
     // Where the rig was last seen, or was thought to be since, is the best guess there is; the
     // segment number says that it is one.
-    pose.world_from_body =
-        passed_over_ > 0 ? history_.Predict(frame.timestamp_ns) : history_.last()->world_from_body;
+    pose.world_from_body = passed_over_ > 0 || expected_ ? Predict(frame.timestamp_ns)
+                                                         : history_.last()->world_from_body;
     ++segment_;
   }
   votes_.Clear();
@@ -221,32 +234,6 @@ void Odometry::Describe(FrameResult& result) const {
   result.landmarks = static_cast<int>(window_->CountLandmarks());
   result.stages_ms.insert(result.tracked_frame.stages_ms.begin(),
                           result.tracked_frame.stages_ms.end());
-}
-
-void Odometry::Rate(bool is_linked, FrameResult& result) {
-  if (!is_linked) {
-    uncertainty_.Start();
-    result.motion_from_ns = result.timestamp_ns;
-  } else if (const auto motion = window_->MotionSinceKeyframe()) {
-    result.keyframe_from_body = motion->keyframe_from_body;
-    result.motion_from_ns = keyframe_ns_;
-    result.motion_covariance = motion->covariance;
-    result.path_covariance =
-        uncertainty_.Add(motion->keyframe_from_body, motion->covariance, result.is_keyframe);
-  } else {
-    RateByMotionBefore(result);
-  }
-  if (result.is_keyframe) {
-    keyframe_ns_ = result.timestamp_ns;
-  }
-}
-
-void Odometry::RateByMotionBefore(FrameResult& result) const {
-  const StampedPose& last = *history_.last();
-  result.keyframe_from_body = last.world_from_body.Inverse() * result.world_from_body;
-  result.motion_from_ns = last.timestamp_ns;
-  result.motion_covariance = history_.PredictionCovariance(result.timestamp_ns);
-  result.path_covariance = uncertainty_.After(result.keyframe_from_body, result.motion_covariance);
 }
 
 }  // namespace gluevo::vo

@@ -9,6 +9,7 @@ void OdometryOptions::Validate() const {
   keypoint_noise.Validate();
   window.Validate();
   votes.Validate();
+  inertial.Validate();
   CheckPositive(max_speed_m_per_s, "max_speed_m_per_s");
   CheckPositive(max_turn_deg_per_s, "max_turn_deg_per_s");
   CheckAtLeast(min_stereo, 0, "min_stereo");

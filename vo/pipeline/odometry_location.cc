@@ -39,18 +39,19 @@ std::optional<Odometry::FramePose> Odometry::LocateWithin(double noise_px,
   }
   votes_.Assign(seen, rig_.cameras[0].width, observations);
   result.tracked = static_cast<int>(observations.size());
-  std::vector<Rigid3> guesses = history_.Guesses();
-  if (passed_over_ > 0) {
-    guesses.push_back(history_.Predict(frame.timestamp_ns));
-  }
   PnpOptions options = options_.pnp;
   options.noise_px = noise_px;
-  const std::optional<PnpResult> pnp = SolvePnp(window_->rig(), observations, guesses, options);
+  const std::optional<PnpResult> pnp =
+      SolvePnp(window_->rig(), observations, Guesses(frame.timestamp_ns), options);
   if (!pnp) {
     return std::nullopt;
   }
   if (!IsPlausible(pnp->world_from_body, frame.timestamp_ns)) {
     result.refused_speed_m_per_s = SpeedTo(pnp->world_from_body, frame.timestamp_ns);
+    return std::nullopt;
+  }
+  if (Contradicts(*pnp)) {
+    result.is_refused_by_inertia = true;
     return std::nullopt;
   }
   result.is_doubtful = pnp->vote_share < options_.votes.doubtful_share;

@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 
+#include "gluevo/vo/core/inertial_estimate.h"
 #include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
@@ -19,9 +21,13 @@ struct FrameResult {
   /// Starts at 0 and grows by one where the pose could not be linked to those before: poses of
   /// different segments have nothing to do with each other.
   int segment = 0;
-  /// The frame shows nothing by which it could be located: its pose is guessed from the motion
-  /// before, and the frames after it are matched with those before it.
+  /// The frame shows nothing by which it could be located: its pose is where the inertial unit
+  /// leads, or without one guessed from the motion before, and the frames after it are matched with
+  /// those before it.
   bool is_predicted = false;
+  /// It shows something, but nothing that was seen before: its pose is where the inertial unit
+  /// leads. The frames after it are matched with it.
+  bool is_bridged = false;
   /// Whether less than half of what has a say (see VoteOptions) agrees with the pose: it may be
   /// that of something that moves through the scene.
   bool is_doubtful = false;
@@ -36,6 +42,8 @@ struct FrameResult {
   PoseCovariance motion_covariance = PoseCovariance::Zero();  ///< How good it is.
   /// How good world_from_body is, in the frame of the segment's first pose.
   PoseCovariance path_covariance = PoseCovariance::Zero();
+  /// Once an inertial unit has started, of frames that were located.
+  std::optional<InertialEstimate> inertial;
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).
@@ -44,6 +52,8 @@ struct FrameResult {
   int moving = 0;        ///< Tracks that are kept out since they move by themselves.
   /// Of a pose that was found but not taken since nothing moves so fast; 0 where there was none.
   double refused_speed_m_per_s = 0.0;
+  /// A pose was found but not taken since the inertial unit contradicts it.
+  bool is_refused_by_inertia = false;
   int landmarks = 0;                        ///< Landmarks with a depth in the window.
   TrackedFrame tracked_frame;               ///< What the pose was estimated from.
   std::map<std::string, double> stages_ms;  ///< The front end's, "frontend" and "estimator".

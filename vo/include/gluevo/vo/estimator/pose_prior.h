@@ -4,18 +4,22 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/geometry/manifold.h"
+#include "gluevo/vo/inertial/gravity.h"
+#include "gluevo/vo/inertial/inertial_residual.h"
 
 namespace gluevo::vo {
 
 /// What measurements that are gone say of some poses and of the right camera's orientation: a
 /// Gaussian, kept as the residual r0 + J dx, where dx is the distance from the linearisation point
 /// (Leutenegger et al. 2015, section 3.4; Qin et al. 2018, section VI-D). The columns of J are the
-/// frames', a PoseTangent each, then the turn's (reprojection_factors.h).
+/// frames', a PoseTangent each, then the turn's (reprojection_factors.h); with an inertial unit
+/// then those of motions and of gravity's turn.
 ///
 /// The linearisation point of a pose is its estimate when it first came into a prior, and stays:
 /// were derivatives of one pose taken at two places, their sum would claim to know where the rig
@@ -24,18 +28,35 @@ namespace gluevo::vo {
 struct PosePrior {
   static constexpr int kPose = kPoseTangentSize;
   static constexpr int kTurn = 3;
+  static constexpr int kMotion = 9;
+  static constexpr int kGravity = 2;
 
   std::vector<int64_t> frame_ids;  ///< Increasing.
   std::vector<Rigid3> world_from_body;
   Eigen::Quaterniond body_from_right = Eigen::Quaterniond::Identity();
-  Eigen::MatrixXd jacobian;  ///< Rows x (6 * frames + 3); residuals have no unit.
+  Eigen::MatrixXd jacobian;  ///< Rows x Columns(); residuals have no unit.
   Eigen::VectorXd residual;  ///< r0.
+  /// With an inertial unit, of the first frames, as many as there are: of the oldest alone once it
+  /// is the frame that measurements lead to. Velocity, then biases (VelocityAndBias).
+  std::vector<VelocityAndBias> motions = {};
+  /// GravityEstimate::turn, radians; nothing without an inertial unit.
+  std::optional<Eigen::Vector2d> gravity_turn = std::nullopt;
+
+  Eigen::Index TurnColumn() const { return kPose * static_cast<Eigen::Index>(frame_ids.size()); }
+  Eigen::Index MotionColumn(std::size_t motion) const {
+    return TurnColumn() + kTurn + kMotion * static_cast<Eigen::Index>(motion);
+  }
+  Eigen::Index GravityColumn() const { return MotionColumn(motions.size()); }
+  Eigen::Index Columns() const { return GravityColumn() + (gravity_turn ? kGravity : 0); }
 
   /// Index of a frame in frame_ids, nothing where it has no column.
   std::optional<std::size_t> Find(int64_t frame_id) const;
-  /// dx: the given state's distance from the linearisation point.
+  /// dx: the given state's distance from the linearisation point. Of more motions than the prior
+  /// has the first ones count.
   Eigen::VectorXd Delta(const std::vector<Rigid3>& world_from_body,
-                        const Eigen::Quaterniond& body_from_right) const;
+                        const Eigen::Quaterniond& body_from_right,
+                        const std::vector<VelocityAndBias>& motions = {},
+                        const Eigen::Vector2d& gravity_turn = Eigen::Vector2d::Zero()) const;
 };
 
 /// The prior on the other poses when one of its frames is eliminated.
@@ -50,24 +71,34 @@ Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
 /// poses are eliminated.
 class Marginalizer {
  public:
-  /// All poses that measurements speak of (frame_ids, world_from_body) and the right camera's
-  /// orientation, at the linearisation point. Rows that there are do not count.
+  /// All that measurements speak of (poses, the right camera's orientation, motions, gravity), at
+  /// the linearisation point. Rows that there are do not count.
   explicit Marginalizer(PosePrior linearization);
   const PosePrior& linearization() const { return state_; }
 
-  /// A prior over some of the poses, with the same linearisation points.
+  /// A prior over some of that, with the same linearisation points.
   void AddPrior(const PosePrior& prior);
 
-  /// Measurements by J^T J (its lower triangle) and J^T r: J in the columns of PosePrior, those of
-  /// the turn perhaps left out, r at the present state, which is `delta` away from the
-  /// linearisation point.
+  /// Measurements by J^T J (its lower triangle) and J^T r: J in the columns of PosePrior, the last
+  /// of which (the turn's and those behind it) may be left out, r at the present state, which is
+  /// `delta` away from the linearisation point.
   void Add(const Eigen::MatrixXd& hessian, const Eigen::VectorXd& gradient,
            const Eigen::VectorXd& delta);
 
-  /// The prior on the poses that remain when `frame_id` is eliminated.
+  /// The prior on what remains when `frame_id` is eliminated, with its motion.
   PosePrior Eliminate(int64_t frame_id) const;
+  /// Likewise when all motions and gravity are.
+  PosePrior EliminateInertia() const;
+  /// The prior on all.
+  PosePrior Keep() const;
 
  private:
+  /// `rest`: what has the other columns.
+  PosePrior EliminateColumns(const std::function<bool(Eigen::Index)>& is_dropped,
+                             PosePrior rest) const;
+  /// What brings the columns of inertia, which are of all sizes, to that of the poses'.
+  Eigen::VectorXd Scales() const;
+
   PosePrior state_;  // frames and linearisation points; no rows
   Eigen::MatrixXd hessian_;
   Eigen::VectorXd gradient_;  // J^T r0, at the linearisation point

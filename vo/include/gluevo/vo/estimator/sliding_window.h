@@ -16,17 +16,22 @@
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/estimator/pose_prior.h"
 #include "gluevo/vo/estimator/sliding_window_options.h"
+#include "gluevo/vo/estimator/views_noise.h"
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/inertial/gravity.h"
+#include "gluevo/vo/inertial/imu_readings.h"
+#include "gluevo/vo/inertial/inertial_factor.h"
+#include "gluevo/vo/inertial/initialisation.h"
 
 namespace gluevo::vo {
 
 struct WindowProblem;
 
-/// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI,
-/// without the inertial part). Landmarks are known by bearing and inverse depth in their anchor,
-/// the left view of the first frame in the window that sees them. The oldest pose stays fixed: it
-/// is the gauge.
+/// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI); once
+/// an inertial unit has started their velocities, its biases and gravity, too. Landmarks are known
+/// by bearing and inverse depth in their anchor, the left view of the first frame in the window
+/// that sees them. The oldest pose stays fixed: it is the gauge.
 class SlidingWindow {
  public:
   SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options);
@@ -37,6 +42,7 @@ class SlidingWindow {
   bool empty() const { return frames_.empty(); }
   /// The rig with the right camera's refined orientation.
   const StereoRig& rig() const { return rig_; }
+  int64_t oldest_timestamp_ns() const { return frames_.front().timestamp_ns; }
   /// The newest frame's. The window must not be empty.
   const Rigid3& world_from_body() const { return frames_.back().world_from_body; }
   bool newest_is_keyframe() const { return frames_.back().is_keyframe; }
@@ -81,12 +87,49 @@ class SlidingWindow {
   /// and the landmarks anchored in it say of the other poses stays as a prior.
   void Slide();
 
+  /// From here on the readings of an inertial unit, whose frame is the body's, count, too. `start`
+  /// is of the window's world; its covariance is taken for four times as large, since the readings
+  /// between the window's frames may be in it already. `readings` must outlive the window; they
+  /// have to reach to each frame before that is added. The window must not be empty.
+  void StartInertia(const InertialStart& start, const ImuReadings& readings);
+  /// The readings count no more; what they said of poses that left the window stays.
+  void StopInertia();
+  bool has_inertia() const { return readings_ != nullptr; }
+  /// The newest frame's, and gravity, with an inertial unit.
+  InertialState state() const;
+  Eigen::Vector3d gravity_in_world() const { return gravity_.InWorld(); }
+  /// How well velocity, biases (VelocityAndBias) and gravity's direction (radians, two) are known,
+  /// after MotionSinceKeyframe().
+  using InertialCovariance = Eigen::Matrix<double, 11, 11>;
+  const std::optional<InertialCovariance>& inertial_covariance() const {
+    return inertial_covariance_;
+  }
+  /// How far the newest frame's readings contradict the rest: mean squares of the residuals from
+  /// the frame before, in shares of their variances: of rotation and the gyroscope's bias, and of
+  /// position, velocity and the accelerometer's bias. Zeros without.
+  struct InertialMisfit {
+    double gyroscope = 0.0;
+    double accelerometer = 0.0;
+  };
+  InertialMisfit Misfit() const;
+  struct Prediction {
+    InertialState state;
+    PoseCovariance covariance;  ///< Of the motion since the newest frame, in the body's axes.
+  };
+  /// Where the readings lead from the newest frame; nothing without a unit and where its readings
+  /// have a gap.
+  std::optional<Prediction> Predict(int64_t timestamp_ns) const;
+
  private:
   struct Frame {
     int64_t id = 0;
+    int64_t timestamp_ns = 0;
     Rigid3 world_from_body;
     bool is_keyframe = false;
     bool lost_tracks = false;  // so few tracks came through that the frame before matters
+    // With an inertial unit; what was measured since the frame before is absent for the first one.
+    VelocityAndBias motion = {};
+    std::unique_ptr<InertialFactor> measured = nullptr;
   };
   struct LandmarkView {
     int64_t frame_id = 0;
@@ -121,6 +164,7 @@ class SlidingWindow {
   /// Sets the workspace's problem to one of all frames, without points and prior.
   void StartProblem();
   void AddPriorToProblem();
+  void AddInertiaToProblem();
   static bool IsAdjusted(const Landmark& landmark);
   void AddToProblem(const Landmark& landmark);
   /// Takes over what came out of bundle adjustment.
@@ -131,6 +175,17 @@ class SlidingWindow {
   void MarginalizeOldest();
   bool LeavesWithOldest(const Landmark& landmark) const;
   void AddProblemTo(Marginalizer& marginalizer);
+  /// How far the window is from there.
+  Eigen::VectorXd Delta(const PosePrior& linearization) const;
+  std::unique_ptr<InertialFactor> FactorOf(const Preintegration& measured) const;
+  /// What was measured between the oldest frame and the next one.
+  void AddInertiaTo(Marginalizer& marginalizer) const;
+  InertialState StateOfFrame(const Frame& frame) const {
+    return StateOf(frame.world_from_body, frame.motion);
+  }
+  /// Measures from frame to frame, and predicts the velocity of the second one.
+  void Measure(const Frame& first, Frame& second) const;
+  void JoinAcross(std::size_t index);
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
@@ -141,6 +196,10 @@ class SlidingWindow {
   Landmarks landmarks_;  // by a number of their own: a track may have had several
   std::unordered_map<int64_t, int64_t> landmark_of_track_;
   std::optional<PosePrior> prior_;
+  const ImuReadings* readings_ = nullptr;  // Of the inertial unit once it has started.
+  GravityEstimate gravity_;
+  ViewsNoise views_noise_;
+  std::optional<InertialCovariance> inertial_covariance_;
   std::unique_ptr<Workspace> workspace_;
   int64_t next_frame_id_ = 0;
   int64_t next_landmark_id_ = 0;

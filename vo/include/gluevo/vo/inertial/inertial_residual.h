@@ -15,6 +15,15 @@ struct InertialState {
   ImuBias bias;
 };
 
+/// What an inertial unit adds to a frame's pose.
+struct VelocityAndBias {
+  Eigen::Vector3d velocity_in_world = Eigen::Vector3d::Zero();  ///< m/s.
+  ImuBias bias;
+};
+
+/// A pose and what goes with it.
+InertialState StateOf(const Rigid3& world_from_body, const VelocityAndBias& motion);
+
 using InertialVector = Eigen::Matrix<double, kInertialTangentSize, 1>;
 
 /// Position and velocity plus (world frame), rotation times exp (body frame), biases plus.

@@ -52,4 +52,13 @@ struct Preintegration {
 Preintegration Preintegrate(const std::vector<ImuSample>& samples, int64_t begin_ns, int64_t end_ns,
                             const ImuBias& bias, const ImuNoise& noise);
 
+/// What is known between two times where samples are missing: how far the biases may have walked.
+/// Of the motion nothing is (ten kilometres, ten radians).
+Preintegration AcrossGap(double duration_s, const ImuBias& bias, const ImuNoise& noise);
+
+/// One measurement of two that follow each other, as where the frame between them is dropped: the
+/// same as integrating over both, to rounding where both were integrated with the same bias. Else
+/// the second is brought to the first one's bias, to first order (Preintegration::At).
+Preintegration Join(const Preintegration& first, const Preintegration& second);
+
 }  // namespace gluevo::vo

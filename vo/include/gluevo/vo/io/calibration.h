@@ -15,6 +15,7 @@ struct Calibration {
   std::string tool;                          ///< Who writes such files: "Kalibr camchain".
   std::vector<std::filesystem::path> files;  ///< All that were read; those that were named first.
   StereoRig rig;  ///< Width and height are 0 where neither the files nor the caller know them.
+  double imu_time_shift_s = 0.0;      ///< t_imu = t_image + this; 0 where it says nothing.
   std::vector<std::string> notes;     ///< How it was understood, a sentence each.
   std::vector<std::string> warnings;  ///< What is probably wrong, a sentence each.
 };

@@ -10,6 +10,7 @@
 #include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/io/imu_data.h"
 
 namespace gluevo::vo {
 
@@ -33,6 +34,11 @@ struct DatasetOptions {
   std::optional<std::filesystem::path> calibration;
   /// The second file of a calibration that is in two.
   std::optional<std::filesystem::path> calibration_mate;
+  /// Readings of an inertial unit: a table, t wx wy wz ax ay az a row or columns with names, for
+  /// kPlain and in place of imu0/data.csv for kEuroc; an Error for KITTI.
+  std::optional<std::filesystem::path> imu;
+  /// Its noise, which ReadImuCalibration reads; in place of imu0/sensor.yaml for kEuroc.
+  std::optional<std::filesystem::path> imu_calibration;
   std::optional<std::filesystem::path> groundtruth;  ///< Found where the format says, if absent.
   /// Images a second where a plain data set has no times; 10 where absent, with a warning.
   std::optional<double> rate_hz;
@@ -60,6 +66,10 @@ struct Dataset {
   std::vector<Entry> entries;
   /// Poses of the rig's body; absent where the data set has none.
   std::optional<Trajectory> groundtruth;
+  /// What the inertial unit read, `refused` where that cannot be used; absent where there is none.
+  std::optional<ImuData> imu;
+  /// What the calibration says of the clocks: t_imu = t_image + imu_time_shift_s.
+  double imu_time_shift_s = 0.0;
   /// Bits that the gray values of 16-bit files use, the same for all images (image_file.h).
   int gray_bits = 16;
   /// Images of either camera that are in no entry: without a mate, or named in a list and missing.
@@ -73,6 +83,10 @@ struct Dataset {
   /// Throws Error naming the image where it cannot be read or has another size than its camera.
   StereoFrame Read(std::size_t index) const;
 };
+
+/// Makes the place of the inertial unit the rig's body, whose axes stay: `rig`, `groundtruth` and
+/// `imu` follow. Nothing changes where it is that, or there is none.
+void PutBodyAtImu(Dataset& dataset);
 
 /// Throws Error with one line that names the missing or malformed file.
 Dataset OpenDataset(const std::filesystem::path& path, const DatasetOptions& options);

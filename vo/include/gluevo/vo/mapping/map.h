@@ -52,6 +52,9 @@ struct Map {
   std::vector<Point> points;
 };
 
+/// Gives key frames and points another world that is turned against theirs.
+void TurnWorld(const Eigen::Quaterniond& new_from_old_world, Map& map);
+
 /// Throws Error where a name has blanks, which COLMAP's text files cannot hold: MapRecorder would.
 void CheckImageNames(const std::array<std::string, 2>& names);
 

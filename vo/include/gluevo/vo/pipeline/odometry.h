@@ -3,14 +3,17 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "gluevo/nn/thread_pool.h"
 #include "gluevo/vo/core/frame_result.h"
+#include "gluevo/vo/core/imu.h"
 #include "gluevo/vo/core/map_point.h"
 #include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/pipeline/inertial_navigation.h"
 #include "gluevo/vo/pipeline/keypoint_noise.h"
 #include "gluevo/vo/pipeline/motion_history.h"
 #include "gluevo/vo/pipeline/odometry_config.h"
@@ -21,8 +24,8 @@ namespace gluevo::vo {
 
 class SlidingWindow;
 
-/// Stereo visual odometry: a pose for every frame, from this frame and those before it, never
-/// revised.
+/// Stereo odometry, with an inertial unit where there is one: a pose for every frame, from this
+/// frame and those before it, never revised.
 class Odometry {
  public:
   /// The front end that the options name, with its networks and threads. Throws Error for options
@@ -35,6 +38,17 @@ class Odometry {
   Odometry(Odometry&&) noexcept;
   Odometry& operator=(Odometry&&) noexcept;
 
+  /// From the next frame on readings of an inertial unit are used, once the frames bear out a
+  /// start. Its frame is the rig's body; `noise` is what its calibration says. Throws Error for
+  /// figures out of range, and where the window's solver is another than "gluevo".
+  void UseImu(const ImuNoise& noise);
+  /// The unit's next readings, in order of time (Error where they are not). Those up to a frame's
+  /// time, and one beyond, have to be there before it; what comes later does not count for it.
+  /// UseImu() goes before.
+  void AddImu(std::span<const ImuSample> samples);
+  /// How the unit stands; null without one.
+  const InertialNavigation* inertial() const { return navigation_.get(); }
+
   /// The next stereo pair. Throws Error where the time does not increase, and what the front end
   /// throws.
   FrameResult Process(const StereoFrame& frame);
@@ -46,6 +60,11 @@ class Odometry {
 
  private:
   struct FramePose;
+  /// Where the inertial unit leads, with its covariance (of the motion since the last pose).
+  struct Expectation {
+    Rigid3 world_from_body;
+    PoseCovariance covariance;
+  };
 
   void CheckTime(int64_t timestamp_ns) const;
   TrackedFrame Track(const StereoFrame& frame);
@@ -64,6 +83,21 @@ class Odometry {
   /// Takes the frame into the window. False where the estimate diverges.
   bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
   FramePose StartSegment(const TrackedFrame& frame);
+  void Expect(int64_t timestamp_ns);
+  /// Where a frame may be, for RANSAC.
+  std::vector<Rigid3> Guesses(int64_t timestamp_ns) const;
+  Rigid3 Predict(int64_t timestamp_ns) const;
+  /// A frame that shows nothing known where the inertial unit leads; nothing where that is not
+  /// known well enough.
+  std::optional<FramePose> Bridge(const TrackedFrame& frame) const;
+  /// Whether a pose that was found is far from where the inertial unit leads.
+  bool Contradicts(const PnpResult& pnp) const;
+  /// Of a frame that is located, or not: where one pose after the other contradicts the inertial
+  /// unit, that has to start again.
+  void HeedContradictions(bool is_located, const FrameResult& result);
+  /// Starts the inertial unit where it may, and says what is known of it.
+  void FollowInertia(bool is_linked, FrameResult& result);
+  InertialEstimate DescribeInertia() const;
   void Describe(FrameResult& result) const;
   /// How good the located pose is ...
   void Rate(bool is_linked, FrameResult& result);
@@ -81,6 +115,9 @@ class Odometry {
   MotionHistory history_;
   KeypointNoise noise_;
   TrackVotes votes_;
+  std::unique_ptr<InertialNavigation> navigation_;  // Absent without an inertial unit.
+  std::optional<Expectation> expected_;             // Of the frame in work.
+  int contradictions_ = 0;                          // Frames in sequence that contradict it.
   PathUncertainty uncertainty_;
   int64_t keyframe_ns_ = 0;                   // The newest.
   std::optional<int64_t> last_timestamp_ns_;  // Of frames that were passed over, too.

@@ -2,6 +2,7 @@
 
 #include "gluevo/vo/estimator/sliding_window_options.h"
 #include "gluevo/vo/geometry/pnp.h"
+#include "gluevo/vo/pipeline/inertial_options.h"
 #include "gluevo/vo/pipeline/keypoint_noise.h"
 #include "gluevo/vo/pipeline/track_votes.h"
 
@@ -13,6 +14,7 @@ struct OdometryOptions {
   KeypointNoiseOptions keypoint_noise;
   SlidingWindowOptions window;
   VoteOptions votes;
+  InertialOptions inertial;
   /// Faster motion than this between two frames is a failure, not a motion.
   double max_speed_m_per_s = 60.0;
   double max_turn_deg_per_s = 720.0;

@@ -1,0 +1,114 @@
+#include "window_inertial.h"
+
+#include <cstddef>
+
+namespace gluevo::vo {
+namespace {
+
+constexpr int kPose = kPoseTangentSize;
+constexpr int kMotion = WindowColumns::kMotion;
+constexpr std::array<int, 5> kSizes = {kPose, kMotion, kPose, kMotion, WindowColumns::kGravity};
+
+GravityEstimate GravityAt(const WindowProblem& problem, const WindowState& state) {
+  return {problem.gravity.first_in_world, state.gravity_turn};
+}
+
+}  // namespace
+
+VelocityAndBias Plus(const VelocityAndBias& motion,
+                     const Eigen::Matrix<double, kMotion, 1>& delta) {
+  return {
+      motion.velocity_in_world + delta.head<3>(),
+      {motion.bias.gyroscope + delta.segment<3>(3), motion.bias.accelerometer + delta.tail<3>()}};
+}
+
+WhitenedInertialResidual WhitenedByTurn(const InertialFactor& factor, const InertialState& first,
+                                        const InertialState& second,
+                                        const GravityEstimate& gravity) {
+  const Eigen::Vector3d in_world = gravity.InWorld();
+  WhitenedInertialResidual residual = Whitened(factor, first, second, in_world);
+  // Both tangents are of the same plane.
+  const Eigen::Matrix2d step_by_turn =
+      GravityTangent(in_world).transpose() * gravity.ByTurn() / in_world.squaredNorm();
+  residual.by_gravity = (residual.by_gravity * step_by_turn).eval();
+  return residual;
+}
+
+double InertialCost(const WindowProblem& problem, const WindowState& state) {
+  if (!problem.has_inertia()) {
+    return 0.0;
+  }
+  const Eigen::Vector3d gravity = GravityAt(problem, state).InWorld();
+  double cost = 0.0;
+  for (std::size_t i = 0; i < problem.measured.size(); ++i) {
+    const InertialFactor& factor = *problem.measured[i];
+    const InertialVector residual =
+        ComputeInertialResidual(StateOf(state.world_from_body[i], state.motions[i]),
+                                StateOf(state.world_from_body[i + 1], state.motions[i + 1]),
+                                factor.measured, gravity)
+            .value;
+    cost += 0.5 * (factor.whitening.triangularView<Eigen::Lower>() * residual).squaredNorm();
+  }
+  return cost;
+}
+
+void AddInertial(const WindowProblem& problem, const WindowState& state, WindowSystem& system) {
+  if (!problem.has_inertia()) {
+    return;
+  }
+  const GravityEstimate gravity = GravityAt(problem, state);
+  const WindowColumns& columns = system.columns;
+  for (std::size_t i = 0; i < problem.measured.size(); ++i) {
+    const WhitenedInertialResidual residual =
+        WhitenedByTurn(*problem.measured[i], StateOf(state.world_from_body[i], state.motions[i]),
+                       StateOf(state.world_from_body[i + 1], state.motions[i + 1]), gravity);
+    system.cost += residual.Cost();
+    const int frame = static_cast<int>(i);
+    AddAt(NormalEquationsOf(residual),
+          {columns.Of(frame), columns.Motion(frame), columns.Of(frame + 1),
+           columns.Motion(frame + 1), columns.Gravity()},
+          system.hessian, system.gradient);
+  }
+}
+
+void AddAt(const InertialNormalEquations& equations, const InertialPlaces& places,
+           Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient) {
+  int row = 0;
+  for (std::size_t a = 0; a < places.size(); ++a) {
+    int column = 0;
+    for (std::size_t b = 0; b < places.size(); ++b) {
+      if (places[a] >= 0 && places[b] >= 0) {
+        hessian.block(places[a], places[b], kSizes[a], kSizes[b]) +=
+            equations.hessian.block(row, column, kSizes[a], kSizes[b]);
+      }
+      column += kSizes[b];
+    }
+    if (places[a] >= 0) {
+      gradient.segment(places[a], kSizes[a]) += equations.gradient.segment(row, kSizes[a]);
+    }
+    row += kSizes[a];
+  }
+}
+
+void AddMeasured(const InertialFactor& factor, const std::array<InertialState, 2>& present,
+                 const GravityEstimate& present_gravity, const Eigen::VectorXd& delta,
+                 Marginalizer& marginalizer) {
+  const PosePrior& linearization = marginalizer.linearization();
+  const auto at = [&](std::size_t i) {
+    return StateOf(linearization.world_from_body[i], linearization.motions[i]);
+  };
+  WhitenedInertialResidual residual = WhitenedByTurn(
+      factor, at(0), at(1), {present_gravity.first_in_world, *linearization.gravity_turn});
+  residual.value = Whitened(factor, present[0], present[1], present_gravity.InWorld()).value;
+  const Eigen::Index columns = linearization.Columns();
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(columns, columns);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(columns);
+  AddAt(NormalEquationsOf(residual),
+        {0, static_cast<int>(linearization.MotionColumn(0)), kPose,
+         static_cast<int>(linearization.MotionColumn(1)),
+         static_cast<int>(linearization.GravityColumn())},
+        hessian, gradient);
+  marginalizer.Add(hessian, gradient, delta);
+}
+
+}  // namespace gluevo::vo

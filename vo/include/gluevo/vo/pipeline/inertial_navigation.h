@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "gluevo/vo/core/imu.h"
+#include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/inertial/imu_readings.h"
+#include "gluevo/vo/inertial/initialisation.h"
+#include "gluevo/vo/pipeline/inertial_options.h"
+
+namespace gluevo::vo {
+
+/// How an inertial unit started.
+struct InertialBegin {
+  int64_t timestamp_ns = 0;  ///< Of the frame after which it counts.
+  bool is_at_rest = false;
+  double gravity_sigma = 0.0;  ///< Radians.
+};
+
+/// The readings of an inertial unit beside the odometry: waits until poses bear out a start, and
+/// watches how well readings and images agree from then on.
+class InertialNavigation {
+ public:
+  /// `noise`: the unit's own, as its calibration says. Throws Error for figures out of range.
+  InertialNavigation(const ImuNoise& noise, const InertialOptions& options);
+
+  /// As ImuReadings::Add.
+  void Add(std::span<const ImuSample> samples) { readings_.Add(samples); }
+  const ImuReadings& readings() const { return readings_; }
+  void ForgetBefore(int64_t time_ns) { readings_.ForgetBefore(time_ns); }
+
+  /// A frame that was located, while the unit has not started: a start that the frames so far bear
+  /// out.
+  std::optional<InertialStart> Try(const StampedPose& world_from_body);
+  /// The frames before have nothing to do with those that come: it has to start again.
+  void Restart();
+  /// Mean squares of residuals (in shares of their variances) of a frame's readings, once it has
+  /// started. Motors that shake the unit make readings worse than its calibration says: noise is
+  /// raised until they are as good as it says.
+  void Watch(double gyroscope_mean_square, double accelerometer_mean_square);
+
+  /// The first start.
+  const std::optional<InertialBegin>& begin() const { return begin_; }
+  /// Why it has not started, for messages.
+  const std::string& why_waiting() const { return why_waiting_; }
+  /// The noise in use over that of the calibration.
+  double gyroscope_noise_factor() const { return gyroscope_.factor; }
+  double accelerometer_noise_factor() const { return accelerometer_.factor; }
+
+ private:
+  /// How much noisier a sensor is than its calibration says.
+  struct Sensor {
+    double factor = 1.0;
+    double mean_square = 0.5;  // Of late.
+
+    bool Watch(double of_frame);
+  };
+
+  std::optional<InertialStart> TryAtRest();
+  std::optional<InertialStart> TryInMotion();
+  bool ImagesAreStill() const;
+  /// Of the frames so far some tens, evenly.
+  Trajectory Chosen() const;
+  void SetNoise();
+
+  ImuNoise noise_;
+  InertialOptions options_;
+  ImuReadings readings_;
+  Trajectory frames_;  // Located ones, of the last seconds.
+  int64_t tried_ns_ = 0;
+  Sensor gyroscope_, accelerometer_;
+  std::optional<InertialBegin> begin_;
+  std::string why_waiting_ = "no frames";
+};
+
+}  // namespace gluevo::vo

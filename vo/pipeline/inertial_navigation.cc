@@ -1,0 +1,159 @@
+#include "gluevo/vo/pipeline/inertial_navigation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/inertial/gyroscope_check.h"
+
+namespace gluevo::vo {
+namespace {
+
+constexpr double kDegree = 0.017453292519943295;
+constexpr double kSecondNs = 1e9;
+
+double Seconds(int64_t from_ns, int64_t to_ns) {
+  return static_cast<double>(to_ns - from_ns) / kSecondNs;
+}
+
+}  // namespace
+
+void InertialOptions::Validate() const {
+  start.Validate();
+  rest.Validate();
+  CheckPositive(max_bridge_sigma_m, "inertial.max_bridge_sigma_m");
+  CheckWithin(bridge_after_s, 0.0, 1e6, "inertial.bridge_after_s");
+}
+
+InertialNavigation::InertialNavigation(const ImuNoise& noise, const InertialOptions& options)
+    : noise_(noise), options_(options), readings_(noise) {
+  options_.Validate();
+}
+
+bool InertialNavigation::Sensor::Watch(double of_frame) {
+  // A sensor as good as it should be stays well below: most rows are met by what is estimated.
+  constexpr double kShare = 0.05;
+  constexpr double kTooLarge = 1.5;
+  constexpr double kMostFactor = 100.0;
+  mean_square += kShare * (of_frame - mean_square);
+  if (mean_square < kTooLarge || factor >= kMostFactor) {
+    return false;
+  }
+  factor = std::min(kMostFactor, factor * std::sqrt(mean_square));
+  mean_square = 1.0;
+  return true;
+}
+
+void InertialNavigation::Watch(double gyroscope_mean_square, double accelerometer_mean_square) {
+  const bool is_noisier = gyroscope_.Watch(gyroscope_mean_square);
+  if (accelerometer_.Watch(accelerometer_mean_square) || is_noisier) {
+    SetNoise();
+  }
+}
+
+void InertialNavigation::SetNoise() {
+  ImuNoise noise = noise_;
+  noise.gyroscope_density *= gyroscope_.factor;
+  noise.accelerometer_density *= accelerometer_.factor;
+  readings_.set_noise(noise);
+}
+
+void InertialNavigation::Restart() {
+  frames_.clear();
+  why_waiting_ = "no frames";
+}
+
+std::optional<InertialStart> InertialNavigation::Try(const StampedPose& world_from_body) {
+  constexpr double kLongestS = 10.0;
+  constexpr std::size_t kFewest = 12;
+  frames_.push_back(world_from_body);
+  const int64_t now_ns = world_from_body.timestamp_ns;
+  while (frames_.size() > kFewest && Seconds(frames_.front().timestamp_ns, now_ns) > kLongestS) {
+    frames_.erase(frames_.begin());
+  }
+  readings_.ForgetBefore(frames_.front().timestamp_ns);
+  std::optional<InertialStart> start = TryAtRest();
+  const bool is_at_rest = start.has_value();
+  constexpr double kEveryS = 0.5;
+  if (!start && Seconds(tried_ns_, now_ns) >= kEveryS) {
+    tried_ns_ = now_ns;
+    start = TryInMotion();
+  }
+  if (start) {
+    if (!begin_) {
+      begin_ = {now_ns, is_at_rest, start->gravity_sigma};
+    }
+    why_waiting_.clear();
+    frames_.clear();
+  }
+  return start;
+}
+
+bool InertialNavigation::ImagesAreStill() const {
+  constexpr double kMoved = 0.01;  // Metres.
+  constexpr double kTurned = 0.3 * kDegree;
+  const StampedPose& now = frames_.back();
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
+    const Rigid3 motion = now.world_from_body.Inverse() * frame->world_from_body;
+    if (motion.translation.norm() > kMoved ||
+        motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) > kTurned) {
+      return false;
+    }
+    if (Seconds(frame->timestamp_ns, now.timestamp_ns) >= options_.rest.duration_s) {
+      return true;
+    }
+  }
+  return false;
+}
+
+std::optional<InertialStart> InertialNavigation::TryAtRest() {
+  const StampedPose& now = frames_.back();
+  const std::optional<ImuRest> rest =
+      FindRest(readings_.samples(), now.timestamp_ns, ImagesAreStill(), options_.rest);
+  if (!rest) {
+    return std::nullopt;
+  }
+  InertialStart start = StartAtRest(*rest, now.world_from_body, options_.start);
+  if (!start.refused.empty()) {
+    why_waiting_ = start.refused;
+    return std::nullopt;
+  }
+  return start;
+}
+
+Trajectory InertialNavigation::Chosen() const {
+  constexpr std::size_t kMost = 30;
+  const std::size_t step = (frames_.size() + kMost - 1) / kMost;
+  Trajectory chosen;
+  chosen.reserve(kMost);
+  for (std::size_t i = (frames_.size() - 1) % step; i < frames_.size(); i += step) {
+    chosen.push_back(frames_[i]);
+  }
+  return chosen;
+}
+
+std::optional<InertialStart> InertialNavigation::TryInMotion() {
+  const Trajectory frames = Chosen();
+  constexpr double kGoodRms = 1.5;
+  constexpr double kMostFactor = 30.0;
+  constexpr double kStep = 3.0;
+  for (double factor = accelerometer_.factor;; factor *= kStep) {
+    ImuNoise noise = readings_.noise();
+    noise.accelerometer_density = factor * noise_.accelerometer_density;
+    InertialStart start = StartInMotion(frames, readings_.samples(), noise, options_.start);
+    if (start.motion_rms > kGoodRms && factor < kMostFactor) {
+      continue;
+    }
+    if (start.refused.empty()) {
+      accelerometer_.factor = factor;
+      SetNoise();
+      return start;
+    }
+    const GyroscopeCheck check = CheckGyroscope(frames, readings_.samples());
+    why_waiting_ = check.fault.empty() ? start.refused : check.fault;
+    return std::nullopt;
+  }
+}
+
+}  // namespace gluevo::vo
