@@ -83,7 +83,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   AddPresetOption(command, arguments.preset);
   AddFrontEndOptions(command, arguments.config);
   AddEstimatorOptions(command, arguments.config.odometry);
-  AddLoopOptions(command, arguments.loops);
+  AddLoopOptions(command, arguments.loops, arguments.places.saved_map);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "
@@ -94,9 +94,11 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
 void CheckOutputs(const RunArguments& arguments) {
   std::vector<fs::path> outputs = OutputFiles(arguments.places);
   outputs.push_back(arguments.save_matches);
+  outputs.push_back(arguments.places.saved_map);
   std::vector<fs::path> inputs = arguments.frames.calibration;
-  for (const fs::path& input : {arguments.dataset, arguments.config_file, arguments.replay,
-                                arguments.frames.groundtruth, arguments.loops.codebook}) {
+  for (const fs::path& input :
+       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
+        arguments.loops.codebook, arguments.loops.load_map}) {
     inputs.push_back(input);
   }
   for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
@@ -213,6 +215,7 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, S
 
 void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
+  TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckOutputs(arguments);
   nn::ThreadPool pool(arguments.config.threads);

@@ -10,6 +10,8 @@
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
+#include "gluevo/vo/mapping/place_map.h"
+#include "gluevo/vo/pipeline/loop_config.h"
 #include "report/run_report.h"
 
 namespace gluevo::apps {
@@ -97,6 +99,9 @@ void CheckPlaces(const RunPlaces& places) {
       nn::CheckPlaceForFile(file);
     }
   }
+  if (!places.saved_map.empty()) {
+    nn::CheckPlaceForFile(places.saved_map);
+  }
   std::error_code code;
   const fs::path models = places.map / "colmap";
   if (!places.map.empty() && fs::exists(models, code) && !fs::is_directory(models, code)) {
@@ -127,6 +132,11 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
   attempt([&] { WriteReport(places, dataset, name, records, context); });
   if (records.matches) {
     attempt([&] { records.matches->Finish(); });
+  }
+  if (!places.saved_map.empty()) {
+    attempt([&] {
+      vo::WritePlaceMap(places.saved_map, records.loops->Map(vo::FeaturesOf(context.weights)));
+    });
   }
   if (records.map) {
     attempt([&] { WriteMap(places.map, *records.map); });
