@@ -48,6 +48,7 @@ void LocalizationOptions::Validate() const {
   CheckAtLeast(max_neighbours, 0, "localization.max_neighbours");
   CheckWithin(match_threshold, 0.0, 1.0, "localization.match_threshold");
   CheckAtLeast(min_inliers, 4, "localization.min_inliers (--min-inliers)");
+  CheckAtLeast(min_keyframe_inliers, 4, "localization.min_keyframe_inliers");
   CheckWithin(min_inlier_share, 0.0, 1.0, "localization.min_inlier_share");
   CheckAtLeast(min_fields, 1, "localization.min_fields");
   CheckPositive(max_position_sigma_m, "localization.max_position_sigma_m (--max-sigma)");
@@ -179,7 +180,8 @@ void MapLocalizer::Decide(const Search& search, Localization& result) const {
   result.inliers = static_cast<int>(fitting.size());
   result.inlier_share = static_cast<double>(best->second.first) / best->second.second;
   const int fields = internal::CountFields(search.frame.features, {fitting.begin(), fitting.end()});
-  if (result.inliers < options_.min_inliers || result.inlier_share < options_.min_inlier_share) {
+  if (result.inliers < options_.min_inliers || best->second.first < options_.min_keyframe_inliers ||
+      result.inlier_share < options_.min_inlier_share) {
     result.reason = std::to_string(result.inliers) + " keypoints fit, " +
                     std::to_string(best->second.first) + " of " +
                     std::to_string(best->second.second) + " points of a key frame";

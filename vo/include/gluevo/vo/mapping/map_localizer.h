@@ -29,8 +29,10 @@ struct LocalizationOptions {
   float match_threshold = 0.2F;  ///< Confidence of a match, 0 to 1.
   /// Keypoints that must fit the pose, by the points of all key frames.
   int min_inliers = 25;
-  /// Of the matched points of the key frame that fits best so many must fit, 0 to 1.
-  double min_inlier_share = 0.3;
+  /// Of the points of the key frame that fits best, so many and this share of those that are
+  /// matched, 0 to 1. Other places have half as many.
+  int min_keyframe_inliers = 20;
+  double min_inlier_share = 0.15;
   /// Of the sixteen fields of the image (4 x 4) so many must hold a point that fits.
   int min_fields = 5;
   /// The standard deviation that the points leave the pose, in the worst direction.
