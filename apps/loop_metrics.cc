@@ -19,6 +19,9 @@ Json ToJson(const vo::LoopAttempt& attempt) {
                {"similarity", attempt.similarity},
                {"matches", attempt.matches},
                {"inliers", attempt.inliers}};
+  if (attempt.is_of_loaded_map) {
+    json["of_loaded_map"] = true;
+  }
   if (!attempt.is_closed) {
     json["reason"] = attempt.reason;
   }
@@ -68,6 +71,7 @@ void AddLoops(const LoopOutcome& loops, Json& json) {
   for (const vo::LoopAttempt& attempt : loops.attempts) {
     json[attempt.is_closed ? "loops" : "loops_rejected"].push_back(ToJson(attempt));
   }
+  json["loops_closed"] = loops.closed;
   json["segments_joined"] = loops.segments_joined;
   json["linked_frames"] = loops.linked_frames;
   if (loops.frames_in_map) {

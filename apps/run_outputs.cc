@@ -67,6 +67,9 @@ void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std:
   report.dataset = name;
   report.rig = dataset.rig;
   report.groundtruth = dataset.groundtruth;
+  if (context.loops) {
+    report.loops = {context.loops->optimized, context.loops->attempts};
+  }
   report.strip = records.strip.frames();
   WriteRunReport(places.folder / "report.html", report);
 }

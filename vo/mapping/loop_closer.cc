@@ -109,6 +109,7 @@ void LoopCloser::Verify(const std::vector<Candidate>& candidates) {
     const LoopCheck check = VerifyLoop(rig_, query, old, *matcher_, options_.verification);
     attempts_.push_back({.query_ns = query.timestamp_ns,
                          .candidate_ns = old.timestamp_ns,
+                         .is_of_loaded_map = candidate.keyframe < loaded_,
                          .similarity = candidate.similarity,
                          .matches = check.matches,
                          .inliers = check.inliers,

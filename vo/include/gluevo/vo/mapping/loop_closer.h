@@ -39,6 +39,7 @@ struct LoopOptions {
 struct LoopAttempt {
   int64_t query_ns = 0;
   int64_t candidate_ns = 0;
+  bool is_of_loaded_map = false;  ///< The candidate.
   double similarity = 0.0;
   int matches = 0;
   int inliers = 0;
