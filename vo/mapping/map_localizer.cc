@@ -20,6 +20,7 @@ struct MapLocalizer::Search {
     std::vector<int> keypoints;          // Of the frame, one an observation.
     std::vector<std::size_t> keyframes;  // Of the map, one an observation.
     std::vector<Rigid3> guesses;         // Poses that a key frame alone gives.
+    std::vector<int> inliers;            // Of these.
     int most_inliers = 0;                // Of these.
     Rigid3 best_guess;
   };
@@ -45,6 +46,9 @@ PnpOptions HypothesisOptions(const LocalizationOptions& options) {
 void LocalizationOptions::Validate() const {
   CheckAtLeast(max_candidates, 1, "localization.max_candidates (--candidates)");
   CheckAtLeast(enough_inliers, 4, "localization.enough_inliers");
+  CheckAtLeast(min_candidates, 1, "localization.min_candidates");
+  CheckWithin(max_rival_share, 0.0, 1.0, "localization.max_rival_share");
+  CheckPositive(rival_distance_m, "localization.rival_distance_m");
   CheckAtLeast(max_neighbours, 0, "localization.max_neighbours");
   CheckWithin(match_threshold, 0.0, 1.0, "localization.match_threshold");
   CheckAtLeast(min_inliers, 4, "localization.min_inliers (--min-inliers)");
@@ -145,10 +149,23 @@ void MapLocalizer::Try(std::size_t keyframe, Search& search) const {
     return;
   }
   part.guesses.push_back(pose->world_from_body);
+  part.inliers.push_back(pose->inliers);
   if (pose->inliers > part.most_inliers) {
     part.most_inliers = pose->inliers;
     part.best_guess = pose->world_from_body;
   }
+}
+
+bool MapLocalizer::HasRival(const Search& search, int part) const {
+  const Search::Part& poses = search.parts.at(part);
+  for (std::size_t i = 0; i < poses.guesses.size(); ++i) {
+    const double distance = (poses.guesses[i].translation - poses.best_guess.translation).norm();
+    if (distance > options_.rival_distance_m &&
+        poses.inliers[i] >= options_.max_rival_share * poses.most_inliers) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void MapLocalizer::Decide(const Search& search, Localization& result) const {
@@ -209,12 +226,17 @@ Localization MapLocalizer::Locate(const StereoFrame& frame, const StereoRig& rig
       most_inliers = inliers;
       result.part = parts_[keyframe];
     }
-    if (most_inliers >= options_.enough_inliers) {
+    if (most_inliers >= options_.enough_inliers &&
+        static_cast<int>(search.tried.size()) >= options_.min_candidates) {
       break;
     }
   }
   if (most_inliers == 0) {
     result.reason = map_.keyframes.empty() ? "the map is empty" : "no key frame shows the same";
+    return result;
+  }
+  if (HasRival(search, result.part)) {
+    result.reason = "two places fit";
     return result;
   }
   int neighbours = 0;

@@ -11,9 +11,8 @@
 #include "place_map_layout.h"
 
 namespace gluevo::vo {
+namespace place_map {
 namespace {
-
-using namespace place_map;
 
 // Nothing that is measured in metres is larger, and squares of it are far from overflow.
 constexpr double kLargest = 1e9;
@@ -223,8 +222,6 @@ void TakeLoops(Cursor& cursor, PlaceMap& map) {
 
 }  // namespace
 
-namespace place_map {
-
 double PixelStep(const StereoRig& rig) {
   int side = 1;
   for (const Camera& camera : rig.cameras) {
@@ -252,27 +249,28 @@ PlaceMap ParseBody(const nn::Bytes& body, const std::string& source) {
 
 PlaceMap ParsePlaceMap(const void* bytes, std::size_t size, const std::string& source) {
   const std::string_view text(static_cast<const char*>(bytes), size);
-  if (!text.starts_with(kMark.substr(0, text.size())) || text.empty()) {
+  if (!text.starts_with(place_map::kMark.substr(0, text.size())) || text.empty()) {
     throw Error(source + ": is no map; expected a file of gluevo run --save-map");
   }
   const nn::Bytes file(bytes, size, source);
-  const uint32_t version = file.U32(kMark.size(), "the header");
-  if (version != kVersion) {
+  const uint32_t version = file.U32(place_map::kMark.size(), "the header");
+  if (version != place_map::kVersion) {
     throw Error(source + ": a map in version " + std::to_string(version) +
-                " of its format, expected version " + std::to_string(kVersion));
+                " of its format, expected version " + std::to_string(place_map::kVersion));
   }
-  if (file.U32(kMark.size() + 4, "the header") != 0) {
-    file.Fail(kMark.size() + 4, "expected 0");
+  if (file.U32(place_map::kMark.size() + 4, "the header") != 0) {
+    file.Fail(place_map::kMark.size() + 4, "expected 0");
   }
-  const uint64_t body_size = file.U64(kMark.size() + 8, "the header");
-  const nn::Bytes body = file.Slice(kHeaderSize, body_size, "the map");
-  if (size != kHeaderSize + body_size) {
-    file.Fail(kHeaderSize + body_size, "bytes behind the map's end");
+  const uint64_t body_size = file.U64(place_map::kMark.size() + 8, "the header");
+  const nn::Bytes body = file.Slice(place_map::kHeaderSize, body_size, "the map");
+  if (size != place_map::kHeaderSize + body_size) {
+    file.Fail(place_map::kHeaderSize + body_size, "bytes behind the map's end");
   }
-  if (text.substr(kMark.size() + 16, kChecksumSize) != nn::Sha256(body.data(), body.size())) {
+  if (text.substr(place_map::kMark.size() + 16, place_map::kChecksumSize) !=
+      nn::Sha256(body.data(), body.size())) {
     throw Error(source + ": the map has changed since it was written: its checksum is another");
   }
-  return ParseBody(body, source);
+  return place_map::ParseBody(body, source);
 }
 
 PlaceMap ReadPlaceMap(const std::filesystem::path& path) {

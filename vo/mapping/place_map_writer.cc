@@ -10,9 +10,8 @@
 #include "place_map_layout.h"
 
 namespace gluevo::vo {
+namespace place_map {
 namespace {
-
-using namespace place_map;
 
 // The body as it grows.
 class Body {
@@ -173,15 +172,16 @@ Body MakeBody(const PlaceMap& map) {
 }
 
 }  // namespace
+}  // namespace place_map
 
 void WritePlaceMap(const std::filesystem::path& path, const PlaceMap& map) {
-  const std::string body = MakeBody(map).bytes();
-  Body header;
-  header.Put(kVersion);
+  const std::string body = place_map::MakeBody(map).bytes();
+  place_map::Body header;
+  header.Put(place_map::kVersion);
   header.Put(uint32_t{0});
   header.Put(static_cast<uint64_t>(body.size()));
   nn::WriteWholeFile(path, [&](std::ostream& stream) {
-    stream << kMark << header.bytes() << nn::Sha256(body.data(), body.size()) << body;
+    stream << place_map::kMark << header.bytes() << nn::Sha256(body.data(), body.size()) << body;
   });
 }
 

@@ -109,6 +109,23 @@ TEST(MapLocalizer, AnotherRoomIsNotFound) {
   }
 }
 
+TEST(MapLocalizer, APlaceThatIsThereTwiceIsNotFound) {
+  // The same room again, ten metres away.
+  PlaceMap map = testing::RoundMap();
+  const std::size_t count = map.keyframes.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    map.keyframes.push_back(map.keyframes[i]);
+    map.map_from_body.push_back(map.map_from_body[i]);
+    map.map_from_body.back().translation.x() += 10.0;
+  }
+  const MapLocalizer localizer(map, testing::RoundCodebook(),
+                               std::make_shared<SceneExtractor>(testing::RoundRoom()),
+                               MakeNearestNeighborMatcher(), {});
+  const Localization result = localizer.Locate(FrameAt(0.2, 0.1), testing::SimulatedRig());
+  EXPECT_FALSE(result.is_found);
+  EXPECT_EQ(result.reason, "two places fit");
+}
+
 TEST(MapLocalizer, WhatIsTooUncertainIsNotFound) {
   const MapLocalizer localizer =
       MakeLocalizer(testing::RoundRoom(), {.max_position_sigma_m = 1e-6});

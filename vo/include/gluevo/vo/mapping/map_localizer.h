@@ -22,8 +22,14 @@ struct LocalizationOptions {
   /// So many key frames of the map are matched with a frame, the most similar first, until one
   /// agrees well with it.
   int max_candidates = 10;
-  /// A pose that so many points of one key frame fit needs no other candidate.
+  /// A pose that so many points of one key frame fit needs no other candidate, once so many were
+  /// tried: of places that look alike the others come next.
   int enough_inliers = 80;
+  int min_candidates = 3;
+  /// No pose where another one, farther away than this in the same part of the map, has this share
+  /// of its points.
+  double max_rival_share = 0.7;
+  double rival_distance_m = 1.0;
   /// Key frames near the pose that was found, which then count, too.
   int max_neighbours = 3;
   float match_threshold = 0.2F;  ///< Confidence of a match, 0 to 1.
@@ -31,8 +37,8 @@ struct LocalizationOptions {
   int min_inliers = 25;
   /// Of the points of the key frame that fits best, so many and this share of those that are
   /// matched, 0 to 1. Other places have half as many.
-  int min_keyframe_inliers = 20;
-  double min_inlier_share = 0.15;
+  int min_keyframe_inliers = 25;
+  double min_inlier_share = 0.2;
   /// Of the sixteen fields of the image (4 x 4) so many must hold a point that fits.
   int min_fields = 5;
   /// The standard deviation that the points leave the pose, in the worst direction.
@@ -83,6 +89,7 @@ class MapLocalizer {
   /// Key frames of the part that look at what is seen from the pose, the nearest first.
   std::vector<std::size_t> Neighbours(const Rigid3& map_from_body, int part) const;
   void Try(std::size_t keyframe, Search& search) const;
+  bool HasRival(const Search& search, int part) const;
   void Decide(const Search& search, Localization& result) const;
 
   PlaceMap map_;
