@@ -44,9 +44,11 @@ vo::Trajectory LargestPart(const vo::Trajectory& trajectory, const std::vector<i
 
 LoopOutcome CloseLoops(const vo::LoopRecorder& recorder,
                        const std::optional<vo::Trajectory>& groundtruth) {
-  LoopOutcome outcome{.attempts = recorder.closer().attempts(),
-                      .closed = static_cast<int>(recorder.closer().loops().size()),
-                      .optimized = recorder.Optimized()};
+  LoopOutcome outcome{.attempts = recorder.closer().attempts(), .optimized = recorder.Optimized()};
+  // Those of a loaded map were closed before.
+  outcome.closed = static_cast<int>(
+      std::count_if(outcome.attempts.begin(), outcome.attempts.end(),
+                    [](const vo::LoopAttempt& attempt) { return attempt.is_closed; }));
   const std::vector<int> linked = recorder.LinkedSegments();
   outcome.segments_joined = recorder.JoinedSegments();
   if (recorder.has_loaded_map()) {

@@ -27,7 +27,7 @@ struct PlannedRun {
   std::string Name() const {
     std::string name = data + ", " + method;
     for (const auto& [option, value] : swept) {
-      name += ", " + option + " " + value;
+      name.append(", ").append(option).append(" ").append(value);
     }
     return name;
   }

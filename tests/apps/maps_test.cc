@@ -145,6 +145,8 @@ TEST_F(MapsTest, ALaterRunGoesOnInIt) {
   const nlohmann::json metrics = Metrics(Path("later"));
   EXPECT_EQ(metrics["frames_in_map"], metrics["frames"]);
   EXPECT_EQ(metrics["segments_joined"], 1);
+  // Not those of the map.
+  EXPECT_EQ(metrics["loops_closed"], metrics["loops"].size());
   EXPECT_EQ(metrics["options"]["loops"], "on");
   EXPECT_EQ(metrics["option_origins"]["loops"], "default");
   EXPECT_LT(metrics["optimized"]["ate_se3_m"], 0.05);

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "gluevo/vo/core/median.h"
 #include "gluevo/vo/core/options_check.h"
 #include "keyframe_views.h"
 
@@ -54,6 +55,9 @@ void LocalizationOptions::Validate() const {
   CheckAtLeast(min_inliers, 4, "localization.min_inliers (--min-inliers)");
   CheckAtLeast(min_keyframe_inliers, 4, "localization.min_keyframe_inliers");
   CheckWithin(min_inlier_share, 0.0, 1.0, "localization.min_inlier_share");
+  CheckWithin(min_near_share, 0.0, 1.0, "localization.min_near_share");
+  CheckPositive(near_depth_share, "localization.near_depth_share");
+  CheckPositive(near_rad, "localization.near_rad");
   CheckAtLeast(min_fields, 1, "localization.min_fields");
   CheckPositive(max_position_sigma_m, "localization.max_position_sigma_m (--max-sigma)");
   CheckPositive(max_rotation_sigma_rad, "localization.max_rotation_sigma_rad");
@@ -156,6 +160,19 @@ void MapLocalizer::Try(std::size_t keyframe, Search& search) const {
   }
 }
 
+bool MapLocalizer::IsNextTo(const Rigid3& map_from_body, std::size_t keyframe) const {
+  std::vector<double> inverse_depths;
+  for (const StereoKeypoint& keypoint : map_.keyframes[keyframe].keypoints) {
+    if (keypoint.inverse_depth > 0.0) {
+      inverse_depths.push_back(keypoint.inverse_depth);
+    }
+  }
+  const Rigid3& pose = map_.map_from_body[keyframe];
+  return (pose.translation - map_from_body.translation).norm() * Median(inverse_depths) <
+             options_.near_depth_share &&
+         pose.rotation.angularDistance(map_from_body.rotation) < options_.near_rad;
+}
+
 bool MapLocalizer::HasRival(const Search& search, int part) const {
   const Search::Part& poses = search.parts.at(part);
   for (std::size_t i = 0; i < poses.guesses.size(); ++i) {
@@ -196,12 +213,23 @@ void MapLocalizer::Decide(const Search& search, Localization& result) const {
   result.keyframe = best->first;
   result.inliers = static_cast<int>(fitting.size());
   result.inlier_share = static_cast<double>(best->second.first) / best->second.second;
+  std::vector<double> near_shares;
+  for (const auto& [keyframe, counts] : of_keyframes) {
+    if (IsNextTo(pose->world_from_body, keyframe)) {
+      near_shares.push_back(static_cast<double>(counts.first) / counts.second);
+    }
+  }
+  const bool fits_near =
+      near_shares.empty() ||
+      *std::max_element(near_shares.begin(), near_shares.end()) >= options_.min_near_share;
   const int fields = internal::CountFields(search.frame.features, {fitting.begin(), fitting.end()});
   if (result.inliers < options_.min_inliers || best->second.first < options_.min_keyframe_inliers ||
       result.inlier_share < options_.min_inlier_share) {
     result.reason = std::to_string(result.inliers) + " keypoints fit, " +
                     std::to_string(best->second.first) + " of " +
                     std::to_string(best->second.second) + " points of a key frame";
+  } else if (!fits_near) {
+    result.reason = "a key frame that would show the same does not";
   } else if (fields < options_.min_fields) {
     result.reason = "all points in " + std::to_string(fields) + " of 16 fields of the image";
   } else if (pose->position_sigma_m > options_.max_position_sigma_m ||

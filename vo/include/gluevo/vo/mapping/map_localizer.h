@@ -39,6 +39,11 @@ struct LocalizationOptions {
   /// matched, 0 to 1. Other places have half as many.
   int min_keyframe_inliers = 25;
   double min_inlier_share = 0.2;
+  /// The same where the pose is next to a key frame, which then shows what the frame shows: within
+  /// this share of its points' median depth and this angle.
+  double min_near_share = 0.4;
+  double near_depth_share = 0.15;
+  double near_rad = 0.15;
   /// Of the sixteen fields of the image (4 x 4) so many must hold a point that fits.
   int min_fields = 5;
   /// The standard deviation that the points leave the pose, in the worst direction.
@@ -89,6 +94,7 @@ class MapLocalizer {
   /// Key frames of the part that look at what is seen from the pose, the nearest first.
   std::vector<std::size_t> Neighbours(const Rigid3& map_from_body, int part) const;
   void Try(std::size_t keyframe, Search& search) const;
+  bool IsNextTo(const Rigid3& map_from_body, std::size_t keyframe) const;
   bool HasRival(const Search& search, int part) const;
   void Decide(const Search& search, Localization& result) const;
 
