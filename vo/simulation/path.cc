@@ -139,6 +139,7 @@ const NamedPath& Find(const std::string& name) {
 
 std::vector<std::string> SimulationPaths() {
   std::vector<std::string> names;
+  names.reserve(kNamedPaths.size());
   for (const NamedPath& path : kNamedPaths) names.emplace_back(path.name);
   return names;
 }

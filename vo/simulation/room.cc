@@ -259,8 +259,8 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
   Bake(
       &world.room, -1,
       [&](int face, double width, double height) {
-        const Pattern pattern = style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
-                                                : RoomFace(face, width, height, seed);
+        Pattern pattern = style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
+                                          : RoomFace(face, width, height, seed);
         // Along x lies the u of all faces but those at its ends.
         if (style.twin_m <= 0.0 || face < 2) return pattern;
         return Pattern([pattern, twin_m = style.twin_m](double u, double v) {
