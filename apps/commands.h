@@ -12,6 +12,8 @@ void AddDoctorCommand(CLI::App& app);
 void AddEvaluateCommand(CLI::App& app);
 void AddExperimentCommand(CLI::App& app);
 void AddExtractCommand(CLI::App& app);
+void AddLocalizeCommand(CLI::App& app);
+void AddMapCommand(CLI::App& app);
 void AddMatchCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);

@@ -44,6 +44,7 @@ void CheckStore(const fs::path& matches) {
 void CheckReplacesOnlyResults(const RunPlaces& places, const fs::path& matches,
                               const fs::path& dataset) {
   CheckStore(matches);
+  nn::CheckReplacesOnly(places.saved_map, "gluevo map", "a map of gluevo");
   const auto check = [&](const fs::path& file, bool is_result) {
     if (!is_result && IsFileBelow(file, dataset)) {
       throw Error(file.string() + ": cannot be written: is a file of the data set " +

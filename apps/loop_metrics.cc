@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <iomanip>
 #include <map>
-#include <set>
 #include <sstream>
 
 #include "evaluation_json.h"
@@ -20,6 +19,9 @@ Json ToJson(const vo::LoopAttempt& attempt) {
                {"similarity", attempt.similarity},
                {"matches", attempt.matches},
                {"inliers", attempt.inliers}};
+  if (attempt.is_of_loaded_map) {
+    json["of_loaded_map"] = true;
+  }
   if (!attempt.is_closed) {
     json["reason"] = attempt.reason;
   }
@@ -42,16 +44,16 @@ vo::Trajectory LargestPart(const vo::Trajectory& trajectory, const std::vector<i
 
 LoopOutcome CloseLoops(const vo::LoopRecorder& recorder,
                        const std::optional<vo::Trajectory>& groundtruth) {
-  LoopOutcome outcome{.attempts = recorder.closer().attempts(),
-                      .closed = static_cast<int>(recorder.closer().loops().size()),
-                      .optimized = recorder.Optimized()};
-  std::set<int> segments;
-  for (const vo::LoopKeyframe& keyframe : recorder.closer().keyframes()) {
-    segments.insert(keyframe.segment);
-  }
+  LoopOutcome outcome{.attempts = recorder.closer().attempts(), .optimized = recorder.Optimized()};
+  // Those of a loaded map were closed before.
+  outcome.closed = static_cast<int>(
+      std::count_if(outcome.attempts.begin(), outcome.attempts.end(),
+                    [](const vo::LoopAttempt& attempt) { return attempt.is_closed; }));
   const std::vector<int> linked = recorder.LinkedSegments();
-  outcome.segments_joined = static_cast<int>(segments.size()) -
-                            static_cast<int>(std::set<int>(linked.begin(), linked.end()).size());
+  outcome.segments_joined = recorder.JoinedSegments();
+  if (recorder.has_loaded_map()) {
+    outcome.frames_in_map = recorder.FramesInLoadedMap();
+  }
   const vo::Trajectory part = LargestPart(outcome.optimized, linked);
   outcome.linked_frames = part.size();
   if (groundtruth) {
@@ -71,8 +73,12 @@ void AddLoops(const LoopOutcome& loops, Json& json) {
   for (const vo::LoopAttempt& attempt : loops.attempts) {
     json[attempt.is_closed ? "loops" : "loops_rejected"].push_back(ToJson(attempt));
   }
+  json["loops_closed"] = loops.closed;
   json["segments_joined"] = loops.segments_joined;
   json["linked_frames"] = loops.linked_frames;
+  if (loops.frames_in_map) {
+    json["frames_in_map"] = *loops.frames_in_map;
+  }
   if (loops.evaluation) {
     json["optimized"] = Json::object();
     AddEvaluation(*loops.evaluation, json["optimized"]);
@@ -85,6 +91,9 @@ std::string TextOfLoops(const LoopOutcome& loops) {
   if (loops.segments_joined > 0) {
     text << ", " << loops.segments_joined << " segments joined (" << loops.linked_frames
          << " frames hang together)";
+  }
+  if (loops.frames_in_map) {
+    text << "; " << *loops.frames_in_map << " frames are in the map";
   }
   if (loops.evaluation) {
     text << std::fixed << std::setprecision(4) << "; ATE with loops " << loops.evaluation->ate_se3_m

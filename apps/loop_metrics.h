@@ -21,6 +21,8 @@ struct LoopOutcome {
   /// is truth.
   std::optional<vo::Evaluation> evaluation;
   std::size_t linked_frames = 0;  ///< In that part.
+  /// Linked with a loaded map; nothing where none was loaded.
+  std::optional<std::size_t> frames_in_map;
 };
 
 /// Solves the pose graph.

@@ -21,6 +21,8 @@ int main(int argc, char** argv) {
   gluevo::apps::AddCodebookCommand(app);
   gluevo::apps::AddDoctorCommand(app);
   gluevo::apps::AddExperimentCommand(app);
+  gluevo::apps::AddLocalizeCommand(app);
+  gluevo::apps::AddMapCommand(app);
   gluevo::apps::AddSimulateCommand(app);
   gluevo::apps::AddBenchCommand(app);
   gluevo::apps::AddWeightsCommand(app);

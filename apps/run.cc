@@ -32,6 +32,7 @@
 #include "options/network_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
+#include "run_evaluation.h"
 #include "run_frames.h"
 #include "run_imu.h"
 #include "run_metrics.h"
@@ -86,7 +87,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   AddPresetOption(command, arguments.preset);
   AddFrontEndOptions(command, arguments.config);
   AddEstimatorOptions(command, arguments.config.odometry);
-  AddLoopOptions(command, arguments.loops);
+  AddLoopOptions(command, arguments.loops, arguments.places.saved_map);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "
@@ -97,11 +98,12 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
 void CheckOutputs(const RunArguments& arguments) {
   std::vector<fs::path> outputs = OutputFiles(arguments.places);
   outputs.push_back(arguments.save_matches);
+  outputs.push_back(arguments.places.saved_map);
   std::vector<fs::path> inputs = arguments.frames.calibration;
   for (const fs::path& input :
        {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        arguments.loops.codebook, MakeDatasetOptions(arguments.frames).imu.value_or(""),
-        arguments.frames.imu_calibration}) {
+        arguments.loops.codebook, arguments.loops.load_map,
+        MakeDatasetOptions(arguments.frames).imu.value_or(""), arguments.frames.imu_calibration}) {
     inputs.push_back(input);
   }
   for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
@@ -190,24 +192,6 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
   return setup;
 }
 
-void AddEvaluations(const Setup& setup, const RunRecords& records, RunMetrics::Context& context) {
-  if (!setup.dataset.groundtruth) {
-    return;
-  }
-  const vo::Trajectory& groundtruth = *setup.dataset.groundtruth;
-  try {
-    context.evaluation = vo::Evaluate(records.trajectory, groundtruth, {});
-    context.evaluation_warning = vo::AssociationWarning(*context.evaluation, {}).value_or("");
-    if (const auto warning = vo::ScaleWarning(*context.evaluation)) {
-      context.evaluation_warning += (context.evaluation_warning.empty() ? "" : "; ") + *warning;
-    }
-    context.segmented_evaluation = vo::EvaluateSegments(
-        records.trajectory, records.metrics.SegmentOfFrames(), groundtruth, {});
-  } catch (const Error& error) {
-    context.evaluation_failure = error.what();
-  }
-}
-
 RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, Setup& setup) {
   RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt")};
@@ -225,6 +209,7 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, S
 
 void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
+  TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckOutputs(arguments);
   nn::ThreadPool pool(arguments.config.threads);
@@ -269,7 +254,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .failure = end.failure,
                                  .causes = records.diagnosis.Causes(),
                                  .imu = MakeImuRecord(setup.dataset, odometry)};
-  AddEvaluations(setup, records, context);
+  AddEvaluations(setup.dataset, records, context);
   if (records.loops) {
     context.loops = CloseLoops(*records.loops, setup.dataset.groundtruth);
   }

@@ -2,9 +2,9 @@
 
 #include <exception>
 #include <map>
+#include <optional>
 #include <string>
 #include <system_error>
-#include <utility>
 #include <vector>
 
 #include "covariance_file.h"
@@ -12,6 +12,8 @@
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
+#include "gluevo/vo/mapping/place_map.h"
+#include "gluevo/vo/pipeline/loop_config.h"
 #include "report/run_report.h"
 #include "run_imu.h"
 
@@ -20,15 +22,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string TrajectoryHeader(const vo::StereoRig& rig, bool is_level) {
-  return "pose of the " + rig.body_frame + " in the world, " +
-         (is_level ? "whose z is up by the inertial unit and whose origin and yaw are those of the "
-                     "first pose"
-                   : "which is its frame at the first pose");
+// The world that poses are written in.
+struct World {
+  std::optional<vo::Rigid3> new_from_old_world;  // Nothing where it is that of the estimates.
+  std::string name;
+};
+
+World WorldOf(const std::vector<vo::FrameResult>& frames) {
+  if (const auto level_from_world = LevelFromWorld(frames)) {
+    return {vo::Rigid3{*level_from_world, Eigen::Vector3d::Zero()},
+            "whose z is up by the inertial unit and whose origin and yaw are those of the first "
+            "pose"};
+  }
+  return {std::nullopt, "which is its frame at the first pose"};
 }
 
-vo::Trajectory Turned(const Eigen::Quaterniond& level_from_world, vo::Trajectory trajectory) {
-  const vo::Rigid3 new_from_old_world = {level_from_world, Eigen::Vector3d::Zero()};
+// The map's is kept as it is: other runs know it.
+World WorldOfPlaces(const RunRecords& records) {
+  if (records.loops->has_loaded_map()) {
+    return {std::nullopt, "which is that of the loaded map where its places were found"};
+  }
+  return WorldOf(records.metrics.frames());
+}
+
+vo::Trajectory Turned(const vo::Rigid3& new_from_old_world, vo::Trajectory trajectory) {
   for (vo::StampedPose& pose : trajectory) {
     pose.world_from_body = new_from_old_world * pose.world_from_body;
   }
@@ -61,23 +78,37 @@ const Format& FormatOf(const RunPlaces& places) {
 void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
                        const RunRecords& records, const RunMetrics::Context& context) {
   const Format& format = FormatOf(places);
-  const auto level_from_world = LevelFromWorld(records.metrics.frames());
-  const std::string header = TrajectoryHeader(dataset.rig, level_from_world.has_value());
-  std::vector<std::pair<std::string, const vo::Trajectory*>> trajectories = {
-      {"trajectory", &records.trajectory}, {"keyframes", &records.keyframes}};
-  if (context.loops) {
-    trajectories.emplace_back("trajectory_optimized", &context.loops->optimized);
-  }
-  vo::Trajectory imu_rate;
+  const auto write = [&](const std::string& name, const vo::Trajectory& trajectory,
+                         const World& world) {
+    vo::WriteTrajectory(
+        places.folder / (name + format.extension),
+        world.new_from_old_world ? Turned(*world.new_from_old_world, trajectory) : trajectory,
+        format.format, "pose of the " + dataset.rig.body_frame + " in the world, " + world.name);
+  };
+  const World world = WorldOf(records.metrics.frames());
+  write("trajectory", records.trajectory, world);
+  write("keyframes", records.keyframes, world);
   if (places.has_imu_rate) {
-    imu_rate = ImuRateTrajectory(*dataset.imu, records.metrics.frames());
-    trajectories.emplace_back("imu_rate", &imu_rate);
+    write("imu_rate", ImuRateTrajectory(*dataset.imu, records.metrics.frames()), world);
   }
-  for (const auto& [name, trajectory] : trajectories) {
-    vo::WriteTrajectory(places.folder / (name + format.extension),
-                        level_from_world ? Turned(*level_from_world, *trajectory) : *trajectory,
-                        format.format, header);
+  if (context.loops) {
+    write("trajectory_optimized", context.loops->optimized, WorldOfPlaces(records));
   }
+}
+
+// Localised frames are in the world of trajectory_optimized.
+void WritePlaces(const RunPlaces& places, const RunRecords& records,
+                 const vo::MapFeatures& features) {
+  vo::PlaceMap map = records.loops->Map(features);
+  if (const auto new_from_old_world = WorldOfPlaces(records).new_from_old_world) {
+    for (vo::LoopKeyframe& keyframe : map.keyframes) {
+      keyframe.world_from_body = *new_from_old_world * keyframe.world_from_body;
+    }
+    for (vo::Rigid3& map_from_body : map.map_from_body) {
+      map_from_body = *new_from_old_world * map_from_body;
+    }
+  }
+  vo::WritePlaceMap(places.saved_map, map);
 }
 
 void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
@@ -86,6 +117,9 @@ void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std:
   report.dataset = name;
   report.rig = dataset.rig;
   report.groundtruth = dataset.groundtruth;
+  if (context.loops) {
+    report.loops = {context.loops->optimized, context.loops->attempts};
+  }
   report.strip = records.strip.frames();
   WriteRunReport(places.folder / "report.html", report);
 }
@@ -121,6 +155,9 @@ void CheckPlaces(const RunPlaces& places) {
       nn::CheckPlaceForFile(file);
     }
   }
+  if (!places.saved_map.empty()) {
+    nn::CheckPlaceForFile(places.saved_map);
+  }
   std::error_code code;
   const fs::path models = places.map / "colmap";
   if (!places.map.empty() && fs::exists(models, code) && !fs::is_directory(models, code)) {
@@ -148,6 +185,9 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
   attempt([&] { WriteReport(places, dataset, name, records, context); });
   if (records.matches) {
     attempt([&] { records.matches->Finish(); });
+  }
+  if (!places.saved_map.empty()) {
+    attempt([&] { WritePlaces(places, records, vo::FeaturesOf(context.weights)); });
   }
   if (records.map) {
     attempt([&] { WriteMap(places.map, records); });

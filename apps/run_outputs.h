@@ -15,6 +15,7 @@ struct RunPlaces {
   std::filesystem::path folder;
   std::string trajectory_format = "tum";  ///< tum, euroc or kitti
   std::filesystem::path map;              ///< Empty: none.
+  std::filesystem::path saved_map;        ///< Of places; empty: none.
   bool has_loops = false;                 ///< And so a trajectory that fits them.
   bool has_imu_rate = false;              ///< A trajectory with a pose for every inertial reading.
 };

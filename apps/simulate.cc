@@ -106,6 +106,13 @@ void AddSimulateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--duration", options.duration_s,
                       "Seconds; default: the whole trajectory, 20 of a named path");
+  command
+      ->add_option("--laps", options.laps,
+                   "So many laps of hall_loop, figure_eight or corridor, in place of a duration")
+      ->check(Within(1, 100))
+      ->excludes("--trajectory")
+      ->excludes("--start")
+      ->excludes("--duration");
   command->add_option("--rate", options.rate_hz, "Stereo pairs a second")->capture_default_str();
   command->add_option("--width", arguments->width,
                       "Of the images, pixels; default: 752, of training pairs 376");
@@ -117,6 +124,9 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_flag("--correspondences", options.correspondences,
                     "Also write correspondences.h5: where the pixels of a grid are seen in the "
                     "right and in the next image, and their points in the world");
+  command->add_flag("--twins", options.twins,
+                    "Every six metres the room looks the same, but for its end walls: places that "
+                    "look alike and are others");
   command
       ->add_option("--movers", options.movers,
                    "So many boxes drive or fly through the scene; also writes cam0/movers: masks "
@@ -134,9 +144,9 @@ void AddSimulateCommand(CLI::App& app) {
                        "--height, --depth and --threads apply)")
           ->check(Within(1, 1'000'000));
   for (const char* option :
-       {"--path", "--trajectory", "--start", "--from-takeoff", "--duration", "--rate", "--noise",
-        "--exposure-change", "--vignetting", "--motion-blur", "--light", "--correspondences",
-        "--movers", "--movers-cover"}) {
+       {"--path", "--trajectory", "--start", "--from-takeoff", "--duration", "--laps", "--twins",
+        "--rate", "--noise", "--exposure-change", "--vignetting", "--motion-blur", "--light",
+        "--correspondences", "--movers", "--movers-cover"}) {
     pairs->excludes(command->get_option(option));
   }
   command->add_option("--threads", options.threads, "Threads; default: one for each processor")

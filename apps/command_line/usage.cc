@@ -17,11 +17,16 @@ namespace {
 // The command that the command line names, as far as it names one.
 const CLI::App& CommandOf(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
-  return commands.empty() ? app : *commands.front();
+  return commands.empty() ? app : CommandOf(*commands.front());
+}
+
+bool HasCommands(const CLI::App& app) {
+  return !app.get_subcommands([](const CLI::App*) { return true; }).empty();
 }
 
 std::string FullName(const CLI::App& app, const CLI::App& command) {
-  return &command == &app ? app.get_name() : app.get_name() + " " + command.get_name();
+  return &command == &app ? app.get_name()
+                          : FullName(app, *command.get_parent()) + " " + command.get_name();
 }
 
 std::string Commands(const CLI::App& app) {
@@ -51,9 +56,9 @@ std::string TextOfMissing(const CLI::App& command, const std::string& what) {
 std::string TextOfUnknown(const CLI::App& app, const CLI::App& command) {
   const std::vector<std::string> unknown = app.remaining(/*recurse=*/true);
   const std::string first = unknown.empty() ? "" : unknown.front();
-  if (&command == &app && !first.starts_with('-')) {
+  if (HasCommands(command) && !first.starts_with('-')) {
     return (first.empty() ? "no command" : Quoted(first) + " is no command") +
-           ", expected one of " + Commands(app);
+           ", expected one of " + Commands(command);
   }
   return first.starts_with('-')
              ? Quoted(first) + " is no option of " + FullName(app, command) +
@@ -84,7 +89,7 @@ std::string TextOf(const CLI::App& app, const CLI::ParseError& error) {
   std::string text = error.what();
   // A mistyped option is why one that is needed is missing.
   if (Is<CLI::ExtrasError>(error) ||
-      (Is<CLI::RequiredError>(error) && (&command == &app || !app.remaining(true).empty()))) {
+      (Is<CLI::RequiredError>(error) && (HasCommands(command) || !app.remaining(true).empty()))) {
     text = TextOfUnknown(app, command);
   } else if (Is<CLI::RequiredError>(error)) {
     text = TextOfMissing(command, text);

@@ -121,17 +121,10 @@ void CheckMissing(const ExperimentFile& file, const Places& places) {
 }  // namespace
 
 bool IsInputPathOption(const std::string& name) {
-  static const std::set<std::string> names = {"aliked", "calibration", "groundtruth", "lightglue",
-                                              "replay", "superglue",   "superpoint",  "weights"};
+  static const std::set<std::string> names = {
+      "aliked",   "calibration", "codebook",  "groundtruth", "lightglue",
+      "load-map", "replay",      "superglue", "superpoint",  "weights"};
   return names.contains(name);
-}
-
-std::string PlannedRun::Name() const {
-  std::string name = data + ", " + method;
-  for (const auto& [option, value] : swept) {
-    name += ", " + option + " " + value;
-  }
-  return name;
 }
 
 vo::Dataset OpenDatasetOf(const PlannedRun& run) {

@@ -24,7 +24,13 @@ struct PlannedRun {
   bool is_missing = false;  ///< The data set's folder is not there.
 
   /// "KITTI 06, klt, stride 2".
-  std::string Name() const;
+  std::string Name() const {
+    std::string name = data + ", " + method;
+    for (const auto& [option, value] : swept) {
+      name.append(", ").append(option).append(" ").append(value);
+    }
+    return name;
+  }
 };
 
 /// The options of `gluevo run` that name files to read.

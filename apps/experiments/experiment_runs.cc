@@ -35,8 +35,9 @@ std::vector<std::string> Arguments(const PlannedRun& run, const fs::path& folder
                                         "--strict"};
   for (const auto& [name, value] : run.options) {
     // A file that the run writes belongs to its folder.
-    arguments.push_back("--" + name + "=" +
-                        (name == "save-matches" ? (folder / value).string() : value));
+    arguments.push_back(
+        "--" + name + "=" +
+        (name == "save-matches" || name == "save-map" ? (folder / value).string() : value));
   }
   return arguments;
 }

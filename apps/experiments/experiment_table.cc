@@ -5,6 +5,7 @@
 #include <optional>
 #include <set>
 
+#include "experiment_figures.h"
 #include "json_text.h"
 
 namespace gluevo::apps {
@@ -15,45 +16,11 @@ using Status = RunOutcome::Status;
 
 constexpr const char* kNothing = "-";
 
-/// A figure of metrics.json.
-struct Figure {
-  const char* title;    // For people.
-  const char* name;     // For programs.
-  const char* pointer;  // Into metrics.json.
-  double factor;        // For people.
-  int decimals;         // For people.
-};
-
-constexpr Figure kAccuracy[] = {
-    {"ATE SE(3), m", "ate_se3_m", "/ate_se3_m", 1.0, 4},
-    {"ATE Sim(3), m", "ate_sim3_m", "/ate_sim3_m", 1.0, 4},
-    {"scale", "scale", "/scale", 1.0, 4},
-    {"RPE, %", "rpe_translation_percent", "/rpe_translation_percent", 1.0, 3},
-    {"RPE, deg/m", "rpe_rotation_deg_per_m", "/rpe_rotation_deg_per_m", 1.0, 4},
-    {"coverage, %", "coverage", "/coverage", 100.0, 1},
-};
-constexpr Figure kWithinSegments = {"ATE within segments, m", "ate_within_segments_m",
-                                    "/within_segments/ate_se3_m", 1.0, 4};
-constexpr Figure kWork[] = {
-    {"resets", "resets", "/resets", 1.0, 0},
-    {"matches, tracked", "matches_tracked", "/matches_per_frame/tracked", 1.0, 0},
-    {"matches, stereo", "matches_stereo", "/matches_per_frame/stereo", 1.0, 0},
-    {"frames/s", "frames_per_second", "/frames_per_second", 1.0, 1},
-};
-constexpr Figure kForProgramsOnly[] = {
-    {"", "motions", "/motions", 1.0, 0},
-    {"", "correct_motions", "/correct_motions", 1.0, 0},
-    {"", "motions_within_segments", "/within_segments/motions", 1.0, 0},
-    {"", "correct_motions_within_segments", "/within_segments/correct_motions", 1.0, 0},
-    {"", "breaks", "/within_segments/breaks", 1.0, 0},
-    {"", "frames", "/frames", 1.0, 0},
-    {"", "threads", "/threads", 1.0, 0},
-};
-
 std::vector<Figure> FiguresForPrograms() {
   std::vector<Figure> figures(std::begin(kAccuracy), std::end(kAccuracy));
   figures.push_back(kWithinSegments);
   figures.insert(figures.end(), std::begin(kWork), std::end(kWork));
+  figures.insert(figures.end(), std::begin(kLoops), std::end(kLoops));
   figures.insert(figures.end(), std::begin(kForProgramsOnly), std::end(kForProgramsOnly));
   return figures;
 }
@@ -180,24 +147,32 @@ std::string CsvField(const std::string& text) {
 
 ExperimentTable MakeTable(const std::vector<RunOutcome>& outcomes) {
   const std::vector<std::string> swept = SweptNames(outcomes);
-  const bool has_resets =
-      std::any_of(outcomes.begin(), outcomes.end(), [](const RunOutcome& outcome) {
-        const Json resets = Value(outcome, "/resets");
-        return resets.is_number() && resets.get<int>() > 0;
-      });
+  const auto any_has = [&](const char* pointer, double above) {
+    return std::any_of(outcomes.begin(), outcomes.end(), [&](const RunOutcome& outcome) {
+      const Json value = Value(outcome, pointer);
+      return value.is_number() && value.get<double>() > above;
+    });
+  };
+  // Behind the figures of accuracy come the motions, and behind those what else the runs have.
+  std::vector<Figure> before(std::begin(kAccuracy), std::end(kAccuracy));
+  if (any_has("/resets", 0.0)) {
+    before.push_back(kWithinSegments);
+  }
+  std::vector<Figure> behind(std::begin(kWork), std::end(kWork));
+  if (any_has("/loops_closed", -1.0)) {
+    behind.insert(behind.begin(), std::begin(kLoops), std::end(kLoops));
+  }
   ExperimentTable table;
   table.header = {"data set", "method"};
   table.header.insert(table.header.end(), swept.begin(), swept.end());
-  for (const Figure& figure : kAccuracy) {
-    table.header.emplace_back(figure.title);
-  }
-  if (has_resets) {
-    table.header.emplace_back(kWithinSegments.title);
-  }
+  const auto add_titles = [&](const std::vector<Figure>& figures) {
+    for (const Figure& figure : figures) {
+      table.header.emplace_back(figure.title);
+    }
+  };
+  add_titles(before);
   table.header.emplace_back("correct motions");
-  for (const Figure& figure : kWork) {
-    table.header.emplace_back(figure.title);
-  }
+  add_titles(behind);
   for (const RunOutcome& outcome : outcomes) {
     std::vector<std::string> row = {outcome.run.data, outcome.run.method};
     for (const std::string& name : swept) {
@@ -205,17 +180,14 @@ ExperimentTable MakeTable(const std::vector<RunOutcome>& outcomes) {
       row.push_back(value.empty() ? kNothing : value);
     }
     const std::size_t first = row.size();
-    for (const Figure& figure : kAccuracy) {
+    for (const Figure& figure : before) {
       row.push_back(ForPeople(outcome, figure));
     }
     if (!outcome.HasResult()) {
       row[first] = StatusName(outcome.status);
     }
-    if (has_resets) {
-      row.push_back(ForPeople(outcome, kWithinSegments));
-    }
     row.push_back(CorrectMotions(outcome));
-    for (const Figure& figure : kWork) {
+    for (const Figure& figure : behind) {
       row.push_back(ForPeople(outcome, figure));
     }
     table.rows.push_back(std::move(row));

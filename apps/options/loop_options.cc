@@ -1,26 +1,52 @@
 #include "loop_options.h"
 
+#include <CLI/CLI.hpp>
+#include <string>
+
 #include "command_line/value_checks.h"
+#include "gluevo/nn/error.h"
 #include "option_group.h"
 
 namespace gluevo::apps {
 
-void AddLoopOptions(CLI::App& command, vo::LoopConfig& config) {
+void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::path& save_map) {
   OptionGroup loops(command, "Loops");
   loops
       .Add("--loops", config.is_on,
            "on: recognise places that were seen before, and write trajectory_optimized, which fits "
            "them; the other results stay as they are without")
       ->check(OneOf({"off", "on"}))
-      ->default_str("off");
+      ->default_function([&config] { return std::string(config.is_on ? "on" : "off"); })
+      ->capture_default_str();
   loops.Add("--codebook", config.codebook,
             "Of places, made by gluevo codebook; without one that of the built-in SuperPoint");
+  loops.Add("--save-map", save_map,
+            "File to write the map to, for --load-map and gluevo localize: key frames with their "
+            "keypoints and poses, and the loops between them; turns --loops on");
+  loops.Add(
+      "--load-map", config.load_map,
+      "Come back to the places of such a file, too: trajectory_optimized is then in the map's "
+      "frame from where the first of them is seen; with --save-map the map goes on growing; "
+      "turns --loops on");
   loops.Add("--loop-interval", config.options.interval_s,
             "A key frame is kept for coming back to at most this often, seconds");
   loops.Add("--loop-min-age", config.options.min_age_s,
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", config.options.max_candidates,
             "So many of the most similar places are verified");
+}
+
+void TurnOnForMaps(CLI::App& command, vo::LoopConfig& config,
+                   const std::filesystem::path& save_map) {
+  if (config.is_on || (save_map.empty() && config.load_map.empty())) {
+    return;
+  }
+  CLI::Option* const loops = command.get_option("--loops");
+  if (loops->count() > 0) {
+    throw Error("--loops off leaves nothing for --save-map and --load-map: expected --loops on");
+  }
+  config.is_on = true;
+  loops->capture_default_str();  // What records of the run say.
 }
 
 }  // namespace gluevo::apps

@@ -115,6 +115,22 @@ PathViews EstimateViews(const RunReport& report) {
   return Views(ChooseViewAxes(up, box), box, {estimate}, Marks(report, estimate));
 }
 
+PathPicture LoopView(const RunReport& report, const std::vector<Eigen::Vector3d>& places,
+                     const std::vector<std::pair<std::size_t, std::size_t>>& pairs) {
+  Path way = EstimatePath(report, {});
+  way.points = places;
+  Eigen::Vector3d up = Eigen::Vector3d::Zero();
+  for (const vo::FrameResult& frame : report.frames) {
+    up += TopOfImage(report, frame.world_from_body);
+  }
+  const Eigen::AlignedBox3d box = BoxOf({way});
+  std::vector<Path> paths = {way};
+  for (const auto& [a, b] : pairs) {
+    paths.push_back({"path loop", {places[a], places[b]}, {}, {}});
+  }
+  return Views(ChooseViewAxes(up, box), box, paths, {}).above;
+}
+
 PathViews AlignedViews(const RunReport& report, bool with_scale) {
   const Stage stage = StageOf(report);
   const Path estimate = EstimatePath(report, Alignment(report, with_scale));

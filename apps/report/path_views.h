@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstddef>
+#include <utility>
+#include <vector>
+
 #include "path_picture.h"
 #include "run_report.h"
 
@@ -12,6 +16,11 @@ struct PathViews {
 
 /// The estimate in its own world.
 PathViews EstimateViews(const RunReport& report);
+
+/// From above: the places, a line through them (broken between segments), and lines between those
+/// of `pairs`. `places`: one a frame.
+PathPicture LoopView(const RunReport& report, const std::vector<Eigen::Vector3d>& places,
+                     const std::vector<std::pair<std::size_t, std::size_t>>& pairs);
 
 /// The estimate, aligned by SE(3) or Sim(3), over the ground truth of the run's time. The views of
 /// both alignments show the same part of the world. The report must have an evaluation.

@@ -20,8 +20,9 @@ void WriteRunReport(const std::filesystem::path& path, const RunReport& report) 
            "<link rel=\"icon\" href=\"data:,\">\n<title>"
         << Escape(report.dataset) << " \u00B7 gluevo run</title>\n<style>\n"
         << kStyle << "</style>\n</head>\n<body>\n<main>\n";
-    for (const auto& section : {VerdictSection, TrajectorySection, ErrorSection, MatchesSection,
-                                InertialSection, TimesSection, StripSection, RecordSection}) {
+    for (const auto& section :
+         {VerdictSection, TrajectorySection, ErrorSection, LoopsSection, MatchesSection,
+          InertialSection, TimesSection, StripSection, RecordSection}) {
       out << section(report);
     }
     out << "</main>\n</body>\n</html>\n";

@@ -10,6 +10,7 @@
 
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/evaluation/evaluation.h"
+#include "gluevo/vo/mapping/loop_closer.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "strip.h"
 
@@ -20,6 +21,12 @@ struct WeightsLine {
   std::string network;   ///< "SuperPoint", ...
   std::string name;      ///< File, or "built in".
   std::string checksum;  ///< SHA-256, hexadecimal.
+};
+
+/// What became of a run's loops.
+struct LoopLines {
+  vo::Trajectory optimized;  ///< One pose a frame.
+  std::vector<vo::LoopAttempt> attempts;
 };
 
 /// All that the report of a run shows. Texts are as they came: the page escapes them.
@@ -41,6 +48,8 @@ struct RunReport {
   /// Milliseconds a frame by stage: "read", what vo::FrameResult names, and "total".
   std::map<std::string, std::vector<double>> stages_ms;
   double peak_memory_mb = 0.0;
+
+  std::optional<LoopLines> loops;  ///< Nothing where the run looked for none.
 
   std::vector<StripFrame> strip;
 

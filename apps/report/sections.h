@@ -16,6 +16,9 @@ std::string VerdictSection(const RunReport& report);
 std::string TrajectorySection(const RunReport& report);
 /// Error over time and along the path.
 std::string ErrorSection(const RunReport& report);
+/// The path before and after loops, with lines between the places that were taken for one; empty
+/// where the run looked for none.
+std::string LoopsSection(const RunReport& report);
 /// Matches a frame, key frames, segments.
 std::string MatchesSection(const RunReport& report);
 /// Biases, gravity and residuals of the inertial unit; empty where the run used none.

@@ -55,6 +55,7 @@ line.mark{stroke:var(--warn);stroke-width:1.5}
 .truth{stroke:var(--truth);stroke-width:5!important;stroke-linecap:round}
 .path{stroke-linecap:round}
 .estimate{stroke:var(--accent)}
+.loop{stroke:var(--warn);stroke-width:1.5}
 .start{fill:var(--page);stroke:var(--ink);stroke-width:1.8}
 .reset{fill:none;stroke:var(--warn);stroke-width:2}
 .path.c0,.path.c1,.path.c2,.path.c3,.path.c4,.path.c5,.path.c6,.path.c7{stroke-width:3.5}

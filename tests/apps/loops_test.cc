@@ -33,6 +33,7 @@ TEST_F(LoopsTest, AFlightOfALapAndAHalfIsClosed) {
   ASSERT_EQ(Run(run + Path("without")).exit_code, 0);
   EXPECT_FALSE(fs::exists(fs::path(Path("without")) / "trajectory_optimized.tum"));
   EXPECT_FALSE(Metrics("without").contains("loops"));
+  EXPECT_EQ(Metrics("without")["options"]["loops"], "off");
 
   const Outcome with = Run(run + Path("with") + " --loops on");
   ASSERT_EQ(with.exit_code, 0) << with.error;

@@ -36,6 +36,8 @@ TEST_F(SimulateTest, BadOptionsGetOneClearLine) {
   ExpectRefused("--movers -2", "movers");
   ExpectRefused("--movers 2 --movers-cover 0.8", "share");
   ExpectRefused("--from-takeoff", "take-off");
+  ExpectRefused("--laps 2 --path hover", "no laps");
+  ExpectRefused("--laps 2 --duration 3", "--laps", 2);
   ExpectRefused("--trajectory " + Path("none.txt"), "none.txt");
   const std::string short_file = Write("short.txt", "1 0 0 0 0 0 0 1\n1.1 0 0 0 0 0 0 1\n");
   ExpectRefused("--trajectory " + short_file, "short.txt: 2 poses over 0.1");

@@ -11,6 +11,7 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" asan-ubsan \
   'vo_io_.*' \
   'vo_frontend_(feature_files|match_store)_test' \
   'vo_geometry_.*' \
+  'vo_mapping_place_map_test' \
   'vo_geometry_pnp_test:-*AmongOutliersOverWideBaselines*' \
   'vo_estimator_(?!marginalization).*' \
   'vo_pipeline_odometry_test:*Exact*:*Reset*'

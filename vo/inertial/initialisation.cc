@@ -114,7 +114,8 @@ InertialStart StartInMotion(const Trajectory& frames, const std::vector<ImuSampl
   for (const FrameInterval& interval : intervals) {
     duration_s += interval.measured.duration_s;
   }
-  constexpr std::size_t kFewest = 4;
+  // With fewer residuals fit by chance: of seconds apart some were that were wrong.
+  constexpr std::size_t kFewest = 10;
   if (intervals.size() < kFewest || duration_s < options.least_duration_s) {
     start.refused = std::to_string(intervals.size()) + " intervals between frames, " +
                     std::to_string(duration_s) + " s, have samples, expected at least " +

@@ -54,6 +54,16 @@ LoopCloser::LoopCloser(const StereoRig& rig, PlaceCodebook codebook,
   options_.Validate();
 }
 
+void LoopCloser::Load(std::vector<LoopKeyframe> keyframes, std::vector<Loop> loops) {
+  keyframes_ = std::move(keyframes);
+  loops_ = std::move(loops);
+  loaded_ = keyframes_.size();
+  places_.reserve(loaded_);
+  for (const LoopKeyframe& keyframe : keyframes_) {
+    places_.push_back(codebook_.Describe(keyframe.features));
+  }
+}
+
 void LoopCloser::Add(LoopKeyframe keyframe) {
   places_.push_back(codebook_.Describe(keyframe.features));
   keyframes_.push_back(std::move(keyframe));
@@ -85,7 +95,7 @@ std::vector<LoopCloser::Candidate> LoopCloser::FindCandidates() const {
   candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.max_candidates)));
   // Where tracking was lost the last place is the likeliest, whatever it looks like.
   const std::size_t last = keyframes_.size() - 2;
-  if (keyframes_.size() > 1 && keyframes_[last].segment != query.segment) {
+  if (keyframes_.size() > loaded_ + 1 && keyframes_[last].segment != query.segment) {
     std::erase_if(candidates, [&](const Candidate& other) { return other.keyframe == last; });
     candidates.insert(candidates.begin(), {last, place.dot(places_[last])});
   }
@@ -99,6 +109,7 @@ void LoopCloser::Verify(const std::vector<Candidate>& candidates) {
     const LoopCheck check = VerifyLoop(rig_, query, old, *matcher_, options_.verification);
     attempts_.push_back({.query_ns = query.timestamp_ns,
                          .candidate_ns = old.timestamp_ns,
+                         .is_of_loaded_map = candidate.keyframe < loaded_,
                          .similarity = candidate.similarity,
                          .matches = check.matches,
                          .inliers = check.inliers,

@@ -4,7 +4,9 @@
 #include <map>
 #include <utility>
 
+#include "gluevo/nn/error.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
+#include "keyframe_views.h"
 #include "linked_segments.h"
 
 namespace gluevo::vo {
@@ -26,11 +28,22 @@ LoopRecorder::LoopRecorder(const StereoRig& rig, PlaceCodebook codebook,
       options_(options),
       closer_(rig, std::move(codebook), matcher_, options) {}
 
+void LoopRecorder::Load(const PlaceMap& map, const std::string& map_name) {
+  if (!IsSameRig(map.rig, closer_.rig())) {
+    throw Error(map_name +
+                ": a map of another rig: expected the calibration that it was made with");
+  }
+  closer_.Load(map.keyframes, map.loops);
+  loaded_keyframes_ = map.keyframes.size();
+  loaded_segments_ = map.keyframes.empty() ? 0 : map.keyframes.back().segment + 1;
+}
+
 bool LoopRecorder::IsToBeKept(const FrameResult& result) const {
   if (!result.is_keyframe || result.is_predicted) {
     return false;
   }
-  if (closer_.keyframes().empty() || closer_.keyframes().back().segment != result.segment) {
+  if (closer_.keyframes().empty() ||
+      closer_.keyframes().back().segment != loaded_segments_ + result.segment) {
     return true;
   }
   const double seconds =
@@ -39,8 +52,9 @@ bool LoopRecorder::IsToBeKept(const FrameResult& result) const {
 }
 
 void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig) {
-  const bool starts_segment = frames_.empty() || frames_.back().segment != result.segment;
-  frames_.push_back({{result.timestamp_ns, result.world_from_body}, result.segment});
+  const int segment = loaded_segments_ + result.segment;
+  const bool starts_segment = frames_.empty() || frames_.back().segment != segment;
+  frames_.push_back({{result.timestamp_ns, result.world_from_body}, segment});
   if (starts_segment) {
     since_kept_ = PoseCovariance::Zero();
   } else if (result.is_keyframe) {
@@ -50,15 +64,11 @@ void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, cons
     return;
   }
   LoopKeyframe keyframe{.timestamp_ns = result.timestamp_ns,
-                        .segment = result.segment,
+                        .segment = segment,
                         .world_from_body = result.world_from_body,
                         .motion_covariance = since_kept_};
-  constexpr double kMaxEpipolarErrorPx = 3.0;
-  keyframe.features = extractor_->Extract(frame.images[0]);
-  const nn::Features right = extractor_->Extract(frame.images[1]);
-  const nn::Matches stereo =
-      matcher_->Match(keyframe.features, right, options_.verification.match_threshold);
-  keyframe.keypoints = LocateKeypoints(rig, keyframe.features, right, stereo, kMaxEpipolarErrorPx);
+  internal::FindKeypoints(frame, rig, *extractor_, *matcher_, options_.verification.match_threshold,
+                          keyframe);
   closer_.Add(std::move(keyframe));
   since_kept_ = PoseCovariance::Zero();
 }
@@ -68,7 +78,7 @@ Trajectory LoopRecorder::Optimized() const {
   const std::vector<Rigid3> optimized = closer_.Optimized();
   Trajectory trajectory;
   trajectory.reserve(frames_.size());
-  std::size_t next = 0;  // The first kept one after the frame.
+  std::size_t next = loaded_keyframes_;  // The first kept one after the frame.
   for (const Frame& frame : frames_) {
     while (next < kept.size() && kept[next].timestamp_ns <= frame.pose.timestamp_ns) {
       ++next;
@@ -76,7 +86,7 @@ Trajectory LoopRecorder::Optimized() const {
     const auto by = [&](std::size_t i) {
       return optimized[i] * (kept[i].world_from_body.Inverse() * frame.pose.world_from_body);
     };
-    const bool has_before = next > 0 && kept[next - 1].segment == frame.segment;
+    const bool has_before = next > loaded_keyframes_ && kept[next - 1].segment == frame.segment;
     const bool has_after = next < kept.size() && kept[next].segment == frame.segment;
     Rigid3 pose = frame.pose.world_from_body;
     if (has_before && has_after) {
@@ -102,6 +112,25 @@ std::vector<int> LoopRecorder::LinkedSegments() const {
     linked.push_back(segment == segments.end() ? frame.segment : segment->second.root);
   }
   return linked;
+}
+
+int LoopRecorder::JoinedSegments() const {
+  int joined = 0;
+  for (const auto& [number, segment] :
+       internal::LinkSegments(closer_.keyframes(), closer_.loops())) {
+    joined += number >= loaded_segments_ && segment.root != number ? 1 : 0;
+  }
+  return joined;
+}
+
+std::size_t LoopRecorder::FramesInLoadedMap() const {
+  const std::vector<int> linked = LinkedSegments();
+  return static_cast<std::size_t>(std::count_if(
+      linked.begin(), linked.end(), [&](int segment) { return segment < loaded_segments_; }));
+}
+
+PlaceMap LoopRecorder::Map(const MapFeatures& features) const {
+  return MakePlaceMap(closer_, features);
 }
 
 }  // namespace gluevo::vo

@@ -1,15 +1,12 @@
 #include "gluevo/vo/mapping/loop_verification.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
-#include <bitset>
-#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "gluevo/vo/core/options_check.h"
-#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
+#include "keyframe_views.h"
 
 namespace gluevo::vo {
 namespace {
@@ -31,9 +28,7 @@ struct Located {
 std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
                               const LoopKeyframe& seen, const std::vector<Pair>& pairs,
                               const LoopVerificationOptions& options, std::string& reason) {
-  const Rigid3& body_from_left = rig.body_from_cam[0];
-  // Two keypoints' errors, along the baseline.
-  const double sigma = std::sqrt(2.0) * FromReferencePx(options.pnp.noise_px) / rig.baseline();
+  const double baseline = rig.baseline();
   std::vector<PnpObservation> observations;
   std::vector<int> keypoints;
   for (const Pair& pair : pairs) {
@@ -43,8 +38,7 @@ std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
       continue;
     }
     observations.push_back(
-        {.point = {body_from_left.translation, body_from_left.rotation * point.left.homogeneous(),
-                   point.inverse_depth, sigma},
+        {.point = internal::PointOf(point, rig.body_from_cam[0], options.pnp.noise_px, baseline),
          .left = view.left,
          .has_right = view.has_right,
          .right = view.right});
@@ -67,19 +61,6 @@ std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
     }
   }
   return located;
-}
-
-int CountFields(const nn::Features& features, const std::vector<int>& keypoints) {
-  constexpr std::size_t kSide = 4;
-  std::bitset<kSide * kSide> fields;
-  for (const int i : keypoints) {
-    const auto place = [&](int axis, int size) {
-      const float share = features.keypoints(i, axis) / static_cast<float>(size);
-      return static_cast<std::size_t>(std::clamp(share, 0.0F, 0.999F) * kSide);
-    };
-    fields.set(kSide * place(1, features.height) + place(0, features.width));
-  }
-  return static_cast<int>(fields.count());
 }
 
 // Squared, in standard deviations of both.
@@ -126,7 +107,7 @@ LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const Loop
     return check;
   }
   check.inliers = by_candidate->inliers;
-  if (const int fields = CountFields(query.features, by_candidate->seen);
+  if (const int fields = internal::CountFields(query.features, by_candidate->seen);
       fields < options.min_fields) {
     check.reason = "all points in " + std::to_string(fields) + " of 16 fields of the image";
     return check;

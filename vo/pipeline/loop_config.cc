@@ -8,32 +8,27 @@
 #include "gluevo/nn/weights.h"
 
 namespace gluevo::vo {
-namespace {
 
-const WeightsRecord& RecordOfFeatures(const Networks& networks) {
-  const auto found =
-      std::find_if(networks.records.begin(), networks.records.end(), [](const auto& record) {
-        return record.network == "superpoint" || record.network == "aliked";
-      });
-  if (found == networks.records.end()) {
+MapFeatures FeaturesOf(const std::vector<WeightsRecord>& records) {
+  const auto found = std::find_if(records.begin(), records.end(), [](const auto& record) {
+    return record.network == "superpoint" || record.network == "aliked";
+  });
+  if (found == records.end()) {
     throw Error("loops need a network that finds keypoints; none was loaded");
   }
-  return *found;
+  return {found->network, found->source, found->checksum};
 }
 
-PlaceCodebook LoadCodebook(const LoopConfig& config, const WeightsRecord& features) {
-  const nn::Weights file =
-      config.codebook.empty() ? nn::OpenPlaceCodebook() : nn::ReadWeights(config.codebook);
-  PlaceCodebook codebook = PlaceCodebook::FromWeights(file);
-  if (codebook.of_weights() != features.checksum) {
+PlaceCodebook LoadCodebook(const std::filesystem::path& codebook, const MapFeatures& features) {
+  const nn::Weights file = codebook.empty() ? nn::OpenPlaceCodebook() : nn::ReadWeights(codebook);
+  PlaceCodebook places = PlaceCodebook::FromWeights(file);
+  if (places.of_weights() != features.checksum) {
     throw Error(file.source + " is not of the weights " + features.source +
                 ": places cannot be told by it; expected a codebook that \"gluevo codebook\" made "
                 "with these weights (--codebook), or --loops off");
   }
-  return codebook;
+  return places;
 }
-
-}  // namespace
 
 Networks LoadNetworksWithLoops(const FrontEndConfig& config) {
   config.Validate();
@@ -43,8 +38,15 @@ Networks LoadNetworksWithLoops(const FrontEndConfig& config) {
 LoopRecorder MakeLoopRecorder(const LoopConfig& config, const StereoRig& rig,
                               const Networks& networks, std::shared_ptr<FeatureExtractor> extractor,
                               nn::ThreadPool& pool) {
-  return {rig, LoadCodebook(config, RecordOfFeatures(networks)), std::move(extractor),
-          MakeMatcher(networks, pool), config.options};
+  const MapFeatures features = FeaturesOf(networks.records);
+  LoopRecorder recorder(rig, LoadCodebook(config.codebook, features), std::move(extractor),
+                        MakeMatcher(networks, pool), config.options);
+  if (!config.load_map.empty()) {
+    const PlaceMap map = ReadPlaceMap(config.load_map);
+    CheckMapFeatures(map, config.load_map.string(), features);
+    recorder.Load(map, config.load_map.string());
+  }
+  return recorder;
 }
 
 }  // namespace gluevo::vo

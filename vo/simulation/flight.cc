@@ -55,7 +55,8 @@ Flight PlanFlight(const SimulationOptions& options) {
   flight.path = [path = MakeSimulationPath(options.path), start](double time) {
     return path(start + time);
   };
-  flight.duration_s = options.duration_s.value_or(kDefaultS);
+  flight.duration_s = options.laps > 0 ? LapsEnd(options.path, options.laps)
+                                       : options.duration_s.value_or(kDefaultS);
   flight.start_ns = kStartNs + std::llround(start * 1e9);
   flight.side_margin = SideMargin(options.path);
   flight.description = "path " + options.path;

@@ -116,12 +116,15 @@ struct NamedPath {
   const char* name;
   vo::Rigid3 (*path)(double);
   double side_margin;
+  double lap_s;        ///< Of all laps but the first; 0: it has none.
+  double first_lap_s;  ///< From rest.
 };
 
-constexpr std::array kNamedPaths = {
-    NamedPath{"hall_loop", HallLoop, 2.6}, NamedPath{"figure_eight", FigureEight, 2.6},
-    NamedPath{"corridor", Corridor, 1.3}, NamedPath{"hover", Hover, 3.0},
-    NamedPath{"fast_yaw", FastYaw, 3.0}};
+constexpr std::array kNamedPaths = {NamedPath{"hall_loop", HallLoop, 2.6, 19.0, 20.0},
+                                    NamedPath{"figure_eight", FigureEight, 2.6, 19.0, 20.0},
+                                    NamedPath{"corridor", Corridor, 1.3, 20.0, 21.0},
+                                    NamedPath{"hover", Hover, 3.0, 0.0, 0.0},
+                                    NamedPath{"fast_yaw", FastYaw, 3.0, 0.0, 0.0}};
 
 const NamedPath& Find(const std::string& name) {
   std::string known;
@@ -136,11 +139,20 @@ const NamedPath& Find(const std::string& name) {
 
 std::vector<std::string> SimulationPaths() {
   std::vector<std::string> names;
+  names.reserve(kNamedPaths.size());
   for (const NamedPath& path : kNamedPaths) names.emplace_back(path.name);
   return names;
 }
 
 SimulationPath MakeSimulationPath(const std::string& name) { return Find(name).path; }
+
+double LapsEnd(const std::string& name, int laps) {
+  const NamedPath& path = Find(name);
+  if (path.lap_s == 0.0) {
+    throw Error("the path \"" + name + "\" has no laps to count (--laps), expected a duration");
+  }
+  return path.first_lap_s + (laps - 1) * path.lap_s;
+}
 
 double SideMargin(const std::string& name) { return Find(name).side_margin; }
 

@@ -14,6 +14,9 @@ using SimulationPath = std::function<vo::Rigid3(double)>;
 
 /// Throws Error listing the known names for an unknown one.
 SimulationPath MakeSimulationPath(const std::string& name);
+/// When the named path has gone so many laps, seconds after its start: it is where it was at the
+/// end of the first, and at its beginning but for the speed. Throws Error for one without laps.
+double LapsEnd(const std::string& name, int laps);
 /// Metres from the named path's box to the walls of a room that suits it.
 double SideMargin(const std::string& name);
 

@@ -174,6 +174,18 @@ SimulatedBox DrawBox(Kind kind, const RoomPlan& plan, RandomStream* random) {
   return MakeBox({x, y, bottom + half_size.z()}, half_size, random->Uniform(0.0, std::numbers::pi));
 }
 
+/// The box, and its likes in the other parts of a room that repeats.
+std::vector<SimulatedBox> WithTwins(const SimulatedBox& box, const RoomPlan& plan, double twin_m) {
+  std::vector<SimulatedBox> boxes = {box};
+  const int parts =
+      twin_m > 0.0 ? static_cast<int>(std::lround((plan.high - plan.low).x() / twin_m)) : 1;
+  for (int part = 1; part < parts; ++part) {
+    boxes.push_back(box);
+    boxes.back().center.x() += part * twin_m;
+  }
+  return boxes;
+}
+
 bool IsFree(const SimulatedBox& box, const std::vector<SimulatedBox>& others,
             const std::vector<Eigen::Vector3d>& keep_clear) {
   const auto far_from = [&](const SimulatedBox& other) {
@@ -215,15 +227,25 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
   world.room = MakeBox(0.5 * (plan.low + plan.high), 0.5 * size, 0.0);
   RandomStream random(Hash(seed, 1));
   std::vector<Kind> kinds;
-  const int count = std::clamp(static_cast<int>(size.x() * size.y() / style.floor_per_box), 4, 100);
+  std::vector<std::size_t> originals;  // Of each box the one that it looks like.
+  RoomPlan drawn = plan;
+  if (style.twin_m > 0.0) drawn.high.x() = plan.low.x() + style.twin_m;
+  const double floor = (drawn.high - drawn.low).x() * size.y();
+  const int count = std::clamp(static_cast<int>(floor / style.floor_per_box), 4, 100);
   for (int i = 0; i < count; ++i) {
     const Kind kind = kFurniture[static_cast<std::size_t>(i) % kFurniture.size()];
     // A draw in a thousand fits in the worst of rooms; one that never fits is left out.
     for (int attempt = 0; attempt < 1000; ++attempt) {
-      const SimulatedBox box = DrawBox(kind, plan, &random);
-      if (!IsFree(box, world.boxes, keep_clear)) continue;
-      world.boxes.push_back(box);
-      kinds.push_back(kind);
+      const std::vector<SimulatedBox> boxes =
+          WithTwins(DrawBox(kind, drawn, &random), plan, style.twin_m);
+      if (!std::all_of(boxes.begin(), boxes.end(), [&](const SimulatedBox& box) {
+            return IsFree(box, world.boxes, keep_clear);
+          })) {
+        continue;
+      }
+      originals.insert(originals.end(), boxes.size(), world.boxes.size());
+      kinds.insert(kinds.end(), boxes.size(), kind);
+      world.boxes.insert(world.boxes.end(), boxes.begin(), boxes.end());
       break;
     }
   }
@@ -237,11 +259,20 @@ SimulatedWorld MakeRoom(uint64_t seed, const RoomPlan& plan,
   Bake(
       &world.room, -1,
       [&](int face, double width, double height) {
-        return style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
-                               : RoomFace(face, width, height, seed);
+        Pattern pattern = style.any_cover ? AnyFace(width, height, Hash(seed, 104, face))
+                                          : RoomFace(face, width, height, seed);
+        // Along x lies the u of all faces but those at its ends.
+        if (style.twin_m <= 0.0 || face < 2) return pattern;
+        return Pattern([pattern, twin_m = style.twin_m](double u, double v) {
+          return pattern(std::fmod(u, twin_m), v);
+        });
       },
       light, seen, plan.low.z(), room_texel_m, threads, checkpoint);
   for (std::size_t i = 0; i < world.boxes.size(); ++i) {
+    if (originals[i] != i) {
+      world.boxes[i].faces = world.boxes[originals[i]].faces;
+      continue;
+    }
     const uint64_t own = Hash(seed, 2, i);
     const bool panel = kinds[i] == Kind::kStandingPanel || kinds[i] == Kind::kHangingPanel;
     Bake(

@@ -26,6 +26,9 @@ struct RoomStyle {
   double floor_per_box = 9.0;  ///< Square metres.
   /// Any pattern on any side; else floors have tiles, and the walls differ from one another.
   bool any_cover = false;
+  /// Where above 0, what is seen repeats every so many metres along x, but for the two end walls:
+  /// the plan's length is a multiple of it. Not with `add_seen`.
+  double twin_m = 0.0;
 };
 
 /// The room with pillars, crates, standing and hanging panels, all drawn from the seed and kept

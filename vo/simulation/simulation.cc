@@ -136,6 +136,11 @@ void SimulationOptions::Validate() const {
         "only a trajectory has a take-off to start from, expected one in place of a named path");
   check(!duration_s || (*duration_s > 0.0 && *duration_s <= 3600.0),
         "the duration of a simulation must be above 0 and at most 3600 s (--duration)");
+  check(laps >= 0 && laps <= 100, "the laps of a simulation must be 0 to 100 (--laps)");
+  check(
+      laps == 0 || (trajectory.empty() && !duration_s && start_s == 0.0),
+      "laps (--laps) are those of a named path from its start, expected no trajectory, duration or "
+      "start");
   check(rate_hz > 0.0 && rate_hz <= 200.0,
         "the rate of a simulation must be above 0 and at most 200 Hz (--rate)");
   check(width >= 64 && width <= 4096 && height >= 64 && height <= 4096,
@@ -184,9 +189,15 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   style.texel_m = std::clamp(2.0 / rig.cameras[0].fx, 0.002, 0.02);
   style.box_texel_m = 0.6 * style.texel_m;
   const std::vector<Eigen::Vector3d> points = FlightPoints(flight);
-  const SimulatedWorld world =
-      MakeRoom(Hash(options.seed, kWorldStream), PlanRoom(points, flight.side_margin), points,
-               style, threads, {}, options.checkpoint);
+  RoomPlan plan = PlanRoom(points, flight.side_margin);
+  if (options.twins) {
+    constexpr double kTwinM = 6.0;
+    style.twin_m = kTwinM;
+    const double parts = std::max(2.0, std::ceil((plan.high - plan.low).x() / kTwinM));
+    plan.high.x() = plan.low.x() + parts * kTwinM;
+  }
+  const SimulatedWorld world = MakeRoom(Hash(options.seed, kWorldStream), plan, points, style,
+                                        threads, {}, options.checkpoint);
   const std::vector<Mover> movers =
       MakeMovers(Hash(options.seed, kMoverStream), options.movers, options.movers_cover, flight,
                  rig, style.box_texel_m, threads, options.checkpoint);

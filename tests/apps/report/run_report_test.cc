@@ -168,5 +168,36 @@ TEST_F(RunReportTest, LeavesNothingWhereItCannotBeWritten) {
   EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
+TEST_F(RunReportTest, LoopsAreShownBeforeAndAfterWithWhatWasRejected) {
+  RunReport report = Circle(40, 100);
+  EXPECT_EQ(Write(report).find("<h2>Loops"), std::string::npos);
+  report.loops.emplace();
+  EXPECT_NE(Write(report).find("0 closed of 0"), std::string::npos);
+  for (const vo::FrameResult& frame : report.frames) {
+    report.loops->optimized.push_back({frame.timestamp_ns, frame.world_from_body});
+  }
+  report.loops->attempts = {
+      {.query_ns = 3'900'000'000,
+       .candidate_ns = 0,
+       .matches = 80,
+       .inliers = 61,
+       .is_closed = true},
+      {.query_ns = 3'800'000'000, .candidate_ns = 0, .matches = 12, .reason = "12 <matches>"},
+      {.query_ns = 3'700'000'000, .candidate_ns = 5, .is_of_loaded_map = true, .is_closed = true}};
+  const std::string html = Write(report);
+  ExpectSelfContained(html);
+  for (const char* const part :
+       {"2 closed of 3", "Before", "After", "12 &lt;matches&gt;", "the map"}) {
+    EXPECT_NE(html.find(part), std::string::npos) << part;
+  }
+  // One line in each picture: places of a loaded map are none of the run's.
+  std::size_t lines = 0;
+  for (std::size_t at = html.find("path loop"); at != std::string::npos;
+       at = html.find("path loop", at + 1)) {
+    ++lines;
+  }
+  EXPECT_EQ(lines, 2U);
+}
+
 }  // namespace
 }  // namespace gluevo::apps

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gluevo/nn/error.h"
 #include "gluevo/vo/simulation/simulation.h"
 
 namespace gluevo::simulation {
@@ -35,6 +36,22 @@ TEST_P(NamedPathTest, StartsAtRestAndFliesAsABodyCan) {
 
 INSTANTIATE_TEST_SUITE_P(All, NamedPathTest, ::testing::ValuesIn(SimulationPaths()),
                          [](const auto& instance) { return instance.param; });
+
+TEST(NamedPath, LapsEndWhereTheyBegan) {
+  for (const std::string name : {"hall_loop", "figure_eight", "corridor"}) {
+    const SimulationPath path = MakeSimulationPath(name);
+    for (const int laps : {1, 3}) {
+      const vo::Rigid3 end = path(LapsEnd(name, laps));
+      EXPECT_LT((end.translation - path(0.0).translation).norm(), 1e-6) << name;
+      // At the corridor's end it is turning round.
+      if (name != "corridor") {
+        EXPECT_LT(end.rotation.angularDistance(path(0.0).rotation), 1e-6) << name;
+      }
+      EXPECT_GT((path(LapsEnd(name, laps) - 1.0).translation - end.translation).norm(), 0.1);
+    }
+  }
+  EXPECT_THROW(LapsEnd("hover", 1), Error);
+}
 
 /// The direction of sight on the ground.
 double Yaw(const vo::Rigid3& pose) {

@@ -39,6 +39,7 @@ struct LoopOptions {
 struct LoopAttempt {
   int64_t query_ns = 0;
   int64_t candidate_ns = 0;
+  bool is_of_loaded_map = false;  ///< The candidate.
   double similarity = 0.0;
   int matches = 0;
   int inliers = 0;
@@ -54,10 +55,15 @@ class LoopCloser {
   LoopCloser(const StereoRig& rig, PlaceCodebook codebook, std::shared_ptr<Matcher> matcher,
              const LoopOptions& options);
 
+  /// Starts with what earlier runs have kept, before any Add: the key frames that are added have
+  /// other segments. Throws as Add does.
+  void Load(std::vector<LoopKeyframe> keyframes, std::vector<Loop> loops);
+
   /// The next key frame, in order of time. Throws Error for features that the codebook does not
   /// know.
   void Add(LoopKeyframe keyframe);
 
+  const StereoRig& rig() const { return rig_; }
   const std::vector<LoopKeyframe>& keyframes() const { return keyframes_; }
   /// Those that the codebook proposed, in the order in which they were tried.
   const std::vector<LoopAttempt>& attempts() const { return attempts_; }
@@ -83,6 +89,7 @@ class LoopCloser {
   std::shared_ptr<Matcher> matcher_;
   LoopOptions options_;
   std::vector<LoopKeyframe> keyframes_;
+  std::size_t loaded_ = 0;               // Of them.
   std::vector<Eigen::VectorXf> places_;  // One a key frame.
   std::vector<LoopAttempt> attempts_;
   std::vector<Loop> loops_;

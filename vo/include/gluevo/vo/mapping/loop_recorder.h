@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "gluevo/vo/core/frame_result.h"
@@ -11,6 +13,7 @@
 #include "gluevo/vo/geometry/stereo_rig.h"
 #include "gluevo/vo/mapping/loop_closer.h"
 #include "gluevo/vo/mapping/place_codebook.h"
+#include "gluevo/vo/mapping/place_map.h"
 
 namespace gluevo::vo {
 
@@ -24,6 +27,10 @@ class LoopRecorder {
                std::shared_ptr<FeatureExtractor> extractor, std::shared_ptr<Matcher> matcher,
                const LoopOptions& options);
 
+  /// Comes back to the places of a map, too, before any frame; they stay in Map(). Throws Error
+  /// naming `map_name` where the map is of another rig.
+  void Load(const PlaceMap& map, const std::string& map_name);
+
   /// To be called after every frame. `rig`: Odometry's. Throws what the networks throw.
   void Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig);
 
@@ -35,11 +42,19 @@ class LoopRecorder {
   Trajectory Optimized() const;
   /// Of each frame the oldest segment that loops link with its own.
   std::vector<int> LinkedSegments() const;
+  /// How many segments of the run hang together with older ones, those of a loaded map too.
+  int JoinedSegments() const;
+  bool has_loaded_map() const { return loaded_keyframes_ > 0; }
+  /// How many frames are in segments that loops link with a loaded map.
+  std::size_t FramesInLoadedMap() const;
+
+  /// All that is kept, solved; `features`: of which network.
+  PlaceMap Map(const MapFeatures& features) const;
 
  private:
   struct Frame {
     StampedPose pose;
-    int segment = 0;
+    int segment = 0;  ///< Behind those of a loaded map.
   };
 
   bool IsToBeKept(const FrameResult& result) const;
@@ -48,6 +63,8 @@ class LoopRecorder {
   std::shared_ptr<Matcher> matcher_;
   LoopOptions options_;
   LoopCloser closer_;
+  std::size_t loaded_keyframes_ = 0;
+  int loaded_segments_ = 0;
   std::vector<Frame> frames_;
   /// Of the motion from the newest key frame that is kept to odometry's newest one.
   PoseCovariance since_kept_ = PoseCovariance::Zero();

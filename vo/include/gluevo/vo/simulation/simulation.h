@@ -48,6 +48,8 @@ struct SimulationOptions {
   uint64_t seed = 1;
   /// Nothing: to the end of the trajectory, 20 s of a named path.
   std::optional<double> duration_s;
+  /// In place of a duration: so many laps of a named path that has laps, from its start; 0: none.
+  int laps = 0;
   /// Stereo pairs a second.
   double rate_hz = 10.0;
   /// Size of the images in pixels; the cameras' focal lengths follow the width.
@@ -63,6 +65,9 @@ struct SimulationOptions {
   /// (N x 2, where the next left image does), in pixels, -1 -1 where it is outside the image or
   /// hidden.
   bool correspondences = false;
+  /// Every six metres along x the room looks the same, but for its two end walls: places that look
+  /// alike and are others.
+  bool twins = false;
   /// Boxes that drive or fly through the scene. Writes cam0/movers: TIMESTAMP.png, a mask of each
   /// left image, 255 where the centre of a pixel shows one of them, else 0.
   int movers = 0;
