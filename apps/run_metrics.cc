@@ -72,6 +72,23 @@ void AddOptions(const RunMetrics::Context& context, Json& json) {
   }
 }
 
+// Poses are linked within a segment only.
+Json SegmentsJson(const std::vector<vo::FrameResult>& frames) {
+  Json segments = Json::array();
+  for (std::size_t begin = 0; begin < frames.size();) {
+    std::size_t end = begin;
+    while (end < frames.size() && frames[end].segment == frames[begin].segment) {
+      ++end;
+    }
+    segments.push_back({{"first_frame", begin},
+                        {"last_frame", end - 1},
+                        {"start_s", static_cast<double>(frames[begin].timestamp_ns) * 1e-9},
+                        {"end_s", static_cast<double>(frames[end - 1].timestamp_ns) * 1e-9}});
+    begin = end;
+  }
+  return segments;
+}
+
 }  // namespace
 
 void RunMetrics::StartFrame() {
@@ -163,20 +180,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   json["keyframes"] = std::count_if(frames_.begin(), frames_.end(),
                                     [](const vo::FrameResult& frame) { return frame.is_keyframe; });
   json["resets"] = Resets();
-  // Poses are linked within a segment only.
-  json["segments"] = Json::array();
-  for (std::size_t begin = 0; begin < frames_.size();) {
-    std::size_t end = begin;
-    while (end < frames_.size() && frames_[end].segment == frames_[begin].segment) {
-      ++end;
-    }
-    json["segments"].push_back(
-        {{"first_frame", begin},
-         {"last_frame", end - 1},
-         {"start_s", static_cast<double>(frames_[begin].timestamp_ns) * 1e-9},
-         {"end_s", static_cast<double>(frames_[end - 1].timestamp_ns) * 1e-9}});
-    begin = end;
-  }
+  json["segments"] = SegmentsJson(frames_);
   json["warnings"] = AllWarnings(context);
   json["images_left_out"] = context.images_left_out;
   const double duration = Duration();
