@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "sliding_window_workspace.h"
 #include "window_inertial.h"
@@ -56,7 +57,7 @@ void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& 
     // A guess; what is measured tells.
     const Frame& before = frames_[i > 0 ? i - 1 : 0];
     const Frame& after = frames_[i > 0 ? i : std::min<std::size_t>(1, frames_.size() - 1)];
-    const auto duration_s = 1e-9 * static_cast<double>(after.timestamp_ns - before.timestamp_ns);
+    const auto duration_s = SecondsBetween(before.timestamp_ns, after.timestamp_ns);
     if (duration_s > 0.0) {
       frame.motion.velocity_in_world =
           (after.world_from_body.translation - before.world_from_body.translation) / duration_s;

@@ -7,6 +7,7 @@
 
 #include "gluevo/vo/core/median.h"
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/seconds.h"
 
 namespace gluevo::vo {
 namespace {
@@ -85,7 +86,7 @@ void FreezeGuard::PassOver() { guarded_->PassOver(); }
 bool FreezeGuard::IsFrozen(const StereoFrame& frame, std::size_t camera) const {
   const cv::Mat& image = frame.images[camera];
   const cv::Mat& before = newest_.images[camera];
-  const double seconds = static_cast<double>(frame.timestamp_ns - last_changed_ns_) * 1e-9;
+  const double seconds = SecondsBetween(last_changed_ns_, frame.timestamp_ns);
   if (!is_moving_ || image.empty() || image.size() != before.size() ||
       image.type() != before.type() || seconds > options_.max_frozen_s) {
     return false;

@@ -11,14 +11,14 @@ namespace gluevo::vo {
 namespace {
 
 /// A camera in Kalibr's words: projection and lens are apart.
-struct Words {
+struct KalibrWords {
   const char* projection;
   const char* lens;
   std::size_t projection_parameters;  // of the coefficients, before the lens's
   std::size_t lens_coefficients;
 };
 
-Words WordsOf(const Camera& camera, const char* radial_tangential) {
+KalibrWords KalibrWordsOf(const Camera& camera, const char* radial_tangential) {
   switch (camera.distortion) {
     case Distortion::kNone:
       return {"pinhole", "none", 0, 0};
@@ -41,7 +41,7 @@ Words WordsOf(const Camera& camera, const char* radial_tangential) {
   throw Error("a camera with a lens that has no name");
 }
 
-void WriteCamera(std::ostream& out, const Camera& camera, const Words& words,
+void WriteCamera(std::ostream& out, const Camera& camera, const KalibrWords& words,
                  const std::string& indent, const char* coefficients_key) {
   const DistortionCoefficients& k = camera.coefficients;
   out << indent << "camera_model: " << words.projection << '\n' << indent << "intrinsics: [";
@@ -74,7 +74,7 @@ std::string KalibrText(const StereoRig& rig) {
   const bool has_imu = rig.body_frame != "left camera";
   for (std::size_t side = 0; side < 2; ++side) {
     const Camera& camera = rig.cameras[side];
-    const Words words = WordsOf(camera, "radtan");
+    const KalibrWords words = KalibrWordsOf(camera, "radtan");
     constexpr std::size_t kMost = 4;
     if (words.lens_coefficients > kMost) {
       throw Error("Kalibr's radtan has four coefficients, this lens " +
@@ -107,7 +107,7 @@ std::string SensorYamlText(const StereoRig& rig, std::size_t side) {
     }
   }
   out << "0.0, 0.0, 0.0, 1.0]\n";
-  WriteCamera(out, rig.cameras[side], WordsOf(rig.cameras[side], "radial-tangential"), "",
+  WriteCamera(out, rig.cameras[side], KalibrWordsOf(rig.cameras[side], "radial-tangential"), "",
               "distortion_coefficients");
   return out.str();
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/mapping/pose_graph.h"
 #include "linked_segments.h"
 
@@ -80,8 +81,7 @@ std::vector<LoopCloser::Candidate> LoopCloser::FindCandidates() const {
   }
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i + 1 < keyframes_.size(); ++i) {
-    const double age_s =
-        static_cast<double>(query.timestamp_ns - keyframes_[i].timestamp_ns) * 1e-9;
+    const double age_s = SecondsBetween(keyframes_[i].timestamp_ns, query.timestamp_ns);
     if (keyframes_[i].segment == query.segment && age_s < options_.min_age_s) {
       break;
     }

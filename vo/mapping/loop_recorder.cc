@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
 #include "keyframe_views.h"
 #include "linked_segments.h"
@@ -47,7 +48,7 @@ bool LoopRecorder::IsToBeKept(const FrameResult& result) const {
     return true;
   }
   const double seconds =
-      static_cast<double>(result.timestamp_ns - closer_.keyframes().back().timestamp_ns) * 1e-9;
+      SecondsBetween(closer_.keyframes().back().timestamp_ns, result.timestamp_ns);
   return seconds >= options_.interval_s;
 }
 

@@ -5,17 +5,13 @@
 #include <cstddef>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/inertial/gyroscope_check.h"
 
 namespace gluevo::vo {
 namespace {
 
 constexpr double kDegree = 0.017453292519943295;
-constexpr double kSecondNs = 1e9;
-
-double Seconds(int64_t from_ns, int64_t to_ns) {
-  return static_cast<double>(to_ns - from_ns) / kSecondNs;
-}
 
 }  // namespace
 
@@ -69,14 +65,15 @@ std::optional<InertialStart> InertialNavigation::Try(const StampedPose& world_fr
   constexpr std::size_t kFewest = 12;
   frames_.push_back(world_from_body);
   const int64_t now_ns = world_from_body.timestamp_ns;
-  while (frames_.size() > kFewest && Seconds(frames_.front().timestamp_ns, now_ns) > kLongestS) {
+  while (frames_.size() > kFewest &&
+         SecondsBetween(frames_.front().timestamp_ns, now_ns) > kLongestS) {
     frames_.erase(frames_.begin());
   }
   readings_.ForgetBefore(frames_.front().timestamp_ns);
   std::optional<InertialStart> start = TryAtRest();
   const bool is_at_rest = start.has_value();
   constexpr double kEveryS = 0.5;
-  if (!start && Seconds(tried_ns_, now_ns) >= kEveryS) {
+  if (!start && SecondsBetween(tried_ns_, now_ns) >= kEveryS) {
     tried_ns_ = now_ns;
     start = TryInMotion();
   }
@@ -100,7 +97,7 @@ bool InertialNavigation::ImagesAreStill() const {
         motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) > kTurned) {
       return false;
     }
-    if (Seconds(frame->timestamp_ns, now.timestamp_ns) >= options_.rest.duration_s) {
+    if (SecondsBetween(frame->timestamp_ns, now.timestamp_ns) >= options_.rest.duration_s) {
       return true;
     }
   }

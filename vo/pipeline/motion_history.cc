@@ -4,14 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "gluevo/vo/core/seconds.h"
+
 namespace gluevo::vo {
 namespace {
 
 constexpr double kDecayS = 0.5;
-
-double Seconds(int64_t from_ns, int64_t to_ns) {
-  return static_cast<double>(to_ns - from_ns) * 1e-9;
-}
 
 // How long something moves that comes to rest, in times of its first speed.
 double MovingS(double seconds) { return kDecayS * (1.0 - std::exp(-seconds / kDecayS)); }
@@ -42,8 +40,8 @@ Rigid3 MotionHistory::Predict(int64_t timestamp_ns) const {
     return last_->world_from_body;
   }
   const Rigid3 motion = last_but_one_->world_from_body.Inverse() * last_->world_from_body;
-  const double share = MovingS(Seconds(last_->timestamp_ns, timestamp_ns)) /
-                       Seconds(last_but_one_->timestamp_ns, last_->timestamp_ns);
+  const double share = MovingS(SecondsBetween(last_->timestamp_ns, timestamp_ns)) /
+                       SecondsBetween(last_but_one_->timestamp_ns, last_->timestamp_ns);
   Eigen::AngleAxisd turn(motion.rotation);
   turn.angle() *= share;
   return last_->world_from_body * Rigid3{Eigen::Quaterniond(turn), share * motion.translation};
@@ -52,12 +50,12 @@ Rigid3 MotionHistory::Predict(int64_t timestamp_ns) const {
 PoseCovariance MotionHistory::PredictionCovariance(int64_t timestamp_ns) const {
   constexpr double kAcceleration = 2.0;         // m/s^2, of people, cars and copters.
   constexpr double kAngularAcceleration = 2.0;  // rad/s^2.
-  const double seconds = Seconds(last_->timestamp_ns, timestamp_ns);
+  const double seconds = SecondsBetween(last_->timestamp_ns, timestamp_ns);
   const double pushed = 0.5 * seconds * seconds;
   double speed = 0.0;
   double turning_speed = 0.0;
   if (last_but_one_) {
-    const double before = Seconds(last_but_one_->timestamp_ns, last_->timestamp_ns);
+    const double before = SecondsBetween(last_but_one_->timestamp_ns, last_->timestamp_ns);
     const Rigid3 motion = last_but_one_->world_from_body.Inverse() * last_->world_from_body;
     speed = motion.translation.norm() / before;
     turning_speed = Eigen::AngleAxisd(motion.rotation).angle() / before;

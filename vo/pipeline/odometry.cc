@@ -6,6 +6,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/reference_focal.h"
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "odometry_frame_pose.h"
@@ -145,8 +146,7 @@ bool Odometry::MayPassOver(const TrackedFrame& frame) const {
   if (!history_.last()) {
     return false;
   }
-  const double seconds =
-      static_cast<double>(frame.timestamp_ns - history_.last()->timestamp_ns) * 1e-9;
+  const double seconds = SecondsBetween(history_.last()->timestamp_ns, frame.timestamp_ns);
   const bool has_something_to_wait_for = window_->CountLandmarks() > 0;
   return CountStereo(frame) < options_.min_stereo ||
          (has_something_to_wait_for &&

@@ -1,5 +1,6 @@
 #include <numbers>
 
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/pipeline/odometry.h"
 
 // Which motions can be a rig's.
@@ -14,7 +15,7 @@ bool IsFinite(const Rigid3& pose) {
 
 double Odometry::SpeedTo(const Rigid3& world_from_body, int64_t timestamp_ns) const {
   const StampedPose& last = *history_.last();
-  const double seconds = static_cast<double>(timestamp_ns - last.timestamp_ns) * 1e-9;
+  const double seconds = SecondsBetween(last.timestamp_ns, timestamp_ns);
   return (world_from_body.translation - last.world_from_body.translation).norm() / seconds;
 }
 
@@ -23,7 +24,7 @@ bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) 
   if (!last) {
     return IsFinite(world_from_body);
   }
-  const double seconds = static_cast<double>(timestamp_ns - last->timestamp_ns) * 1e-9;
+  const double seconds = SecondsBetween(last->timestamp_ns, timestamp_ns);
   const Rigid3 motion = last->world_from_body.Inverse() * world_from_body;
   const double turn_deg =
       motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi;

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/seconds.h"
 
 namespace gluevo::simulation {
 namespace {
@@ -19,7 +20,7 @@ constexpr double kSmoothing = 0.02;
 constexpr std::array<double, 4> kThirdDifference = {-1.0, 3.0, -3.0, 1.0};
 
 double SecondsAfterFirst(const vo::Trajectory& trajectory, std::size_t i) {
-  return static_cast<double>(trajectory[i].timestamp_ns - trajectory.front().timestamp_ns) * 1e-9;
+  return vo::SecondsBetween(trajectory.front().timestamp_ns, trajectory[i].timestamp_ns);
 }
 
 template <int degree>
