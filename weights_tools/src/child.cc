@@ -7,8 +7,10 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstring>
+#include <thread>
 
 #include "gluevo/nn/error.h"
 
@@ -105,6 +107,10 @@ std::string RunProgram(const std::vector<std::string>& words, const std::filesys
   }
   g_child = 0;
   if (g_signal != 0) {
+    // One wish may come twice: `timeout` and terminals send it to a program and to its group. The
+    // second must not find the handlers gone.
+    constexpr auto kSameWish = std::chrono::milliseconds(300);
+    std::this_thread::sleep_for(kSameWish);
     return std::string("interrupted (") + strsignal(g_signal) + ")";
   }
   if (WIFSIGNALED(status)) {
