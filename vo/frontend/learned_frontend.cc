@@ -111,8 +111,6 @@ void LearnedFrontEnd::KeepFrame() {
     }
     reference_ = std::move(view_);
     frames_since_networks_ = 1;
-  } else if (outcome_.is_keyframe) {
-    frames_since_networks_ = options_.network_every;
   }
 }
 

@@ -47,7 +47,7 @@ TEST(LearnedFrontEndFlowTest, MatchedPointsFollowTheSamePlaceBelowThePixel) {
   const auto frontend =
       FrontEndWith({Named({{1, 30, 24}}), Named({{1, 27, 24}}), Named({{1, 32, 25}}),
                     Named({{1, 28, 25}}), Named({{1, 33, 24}}), Named({{1, 29, 25}})},
-                   SmallWindows({}));
+                   SmallWindows({.network_every = 1}));
   const Observation first = Only(frontend->Track(Frame(1, 0, 0, 3.3)));
   EXPECT_EQ(first.left_pixel, Eigen::Vector2d(30, 24));
   EXPECT_NEAR(first.right_pixel.x(), 26.7, 0.05);
@@ -77,7 +77,7 @@ TEST(LearnedFrontEndFlowTest, WhatFlowDoesNotConfirmIsDroppedWhereItConfirmsMost
     const auto frontend =
         FrontEndWith({Named({{1, 30, 24}, {2, 20, 14}}), Named({{1, 27, 24}, {2, 5, 14}}),
                       Named({{1, 31, 24}, {2, 40, 34}}), Named({{1, 28, 24}, {2, 25, 34}})},
-                     SmallWindows({.min_confirmed_share = share}));
+                     SmallWindows({.min_confirmed_share = share, .network_every = 1}));
     const TrackedFrame first = frontend->Track(Frame(1, 0, 0, 3));
     const TrackedFrame second = frontend->Track(Frame(2, 1, 0, 3));
     ASSERT_EQ(first.observations.size(), 2U);
@@ -97,7 +97,7 @@ TEST(LearnedFrontEndFlowTest, TheLastKeyframeGivesLostTracksBack) {
     SCOPED_TRACE(rematch);
     const auto frontend = FrontEndWith(
         {Named({{1, 30, 24}}), Named({}), Named({}), Named({}), Named({{1, 31, 24}}), Named({})},
-        SmallWindows({.rematch_keyframe = rematch}));
+        SmallWindows({.rematch_keyframe = rematch, .network_every = 1}));
     const Observation first = Only(frontend->Track(Frame(1, 0, 0, 0)));
     frontend->Accept({.is_keyframe = true});
     EXPECT_TRUE(frontend->Track(Frame(2, 0, 0, 0)).observations.empty());
@@ -114,7 +114,8 @@ TEST(LearnedFrontEndFlowTest, RetryTriesKeyframesTheNewestFirst) {
   const auto frontend = FrontEndWith(
       {Named({{1, 30, 24}}), Named({}), Named({{2, 20, 20}}), Named({}), Named({}), Named({}),
        Named({{1, 30, 24}, {2, 20, 20}}), Named({}), Named({{1, 30, 24}}), Named({})},
-      SmallWindows({.recovery_keyframes = 5}), std::make_unique<testing::NoMatcher>());
+      SmallWindows({.recovery_keyframes = 5, .network_every = 1}),
+      std::make_unique<testing::NoMatcher>());
   const int64_t one = Only(frontend->Track(Frame(1, 0, 0, 0))).track_id;
   frontend->Accept({.is_keyframe = true});
   const int64_t two = Only(frontend->Track(Frame(2, 0, 0, 0))).track_id;
@@ -154,7 +155,8 @@ TEST(LearnedFrontEndFlowTest, OpticalFlowCarriesTracksBetweenNetworkFrames) {
   frontend->Accept({});
   for (int i = 1; i <= 2; ++i) {
     const TrackedFrame followed = frontend->Track(Frame(1 + i, 1.1 * i, 0, 3));
-    frontend->Accept({});
+    // A key frame that the networks have not seen serves as any other.
+    frontend->Accept({.is_keyframe = i == 1});
     EXPECT_FALSE(followed.stages_ms.contains("features"));
     EXPECT_EQ(Only(followed).track_id, first.track_id);
     EXPECT_NEAR(Only(followed).left_pixel.x(), 30 + 1.1 * i, 0.1);
@@ -165,13 +167,37 @@ TEST(LearnedFrontEndFlowTest, OpticalFlowCarriesTracksBetweenNetworkFrames) {
   EXPECT_TRUE(matched.stages_ms.contains("features"));
   EXPECT_EQ(Only(matched).track_id, first.track_id);
   EXPECT_NEAR(Only(matched).left_pixel.x(), 33.3, 0.1);
-  // A key frame without networks asks for them in the next one, and so does a failure.
-  frontend->Accept({.is_keyframe = true});
+  // A failure asks for them.
+  frontend->Accept({});
   EXPECT_FALSE(frontend->Track(Frame(5, 3.3, 0, 3)).stages_ms.contains("features"));
   const auto retried = frontend->Retry();
   ASSERT_TRUE(retried.has_value());
   EXPECT_TRUE(retried->stages_ms.contains("features"));
   EXPECT_EQ(Only(*retried).track_id, first.track_id);
+}
+
+TEST(LearnedFrontEndFlowTest, WhatIsBehindAFollowedPointDoesNotDrawIt) {
+  LearnedFrontEndOptions options;
+  options.refinement.window = 7;
+  options.following.window = 21;
+  options.following.levels = 1;
+  const auto frontend = FrontEndWith({Named({{1, 30, 24}}), Named({{1, 30, 24}})}, options);
+  // A small thing over a background that stays.
+  const auto moved = [](int64_t timestamp_ns, int x) {
+    StereoFrame frame = Frame(timestamp_ns, 0, 0, 0);
+    const cv::Rect before(24, 18, 13, 13);
+    const cv::Mat thing = PatternAt(3, 5)(before);
+    for (cv::Mat& image : frame.images) {
+      thing.copyTo(image(before + cv::Point(x, 0)));
+    }
+    return frame;
+  };
+  frontend->Track(moved(1, 0));
+  frontend->Accept({});
+  const TrackedFrame followed = frontend->Track(moved(2, 1));
+  EXPECT_FALSE(followed.stages_ms.contains("features"));
+  EXPECT_NEAR(Only(followed).left_pixel.x(), 31, 0.02);
+  EXPECT_NEAR(Only(followed).left_pixel.y(), 24, 0.02);
 }
 
 TEST(LearnedFrontEndFlowTest, NetworksRunWhereFlowLosesTheTracks) {

@@ -49,11 +49,12 @@ struct LearnedFrontEndOptions {
   int recovery_keyframes = 10;
 
   /// Networks run on every so many-th frame at least; tracks are carried through those between by
-  /// optical flow, as long as enough remain and the estimator needs no key frame.
-  int network_every = 1;
+  /// optical flow, as long as enough remain: over so short a way it is the more accurate of the
+  /// two. First with a patch that finds large motions, then with `refinement`'s.
+  int network_every = 5;
   FlowOptions following = {.window = 21, .levels = 3, .levels_back = 1};
   /// Networks run where optical flow keeps fewer of the tracks that they gave, 0 to 1.
-  double min_followed_share = 0.7;
+  double min_followed_share = 0.8;
 
   /// Throws Error naming the option.
   void Validate() const;
@@ -109,6 +110,9 @@ class LearnedFrontEnd : public FrontEnd {
   void KeepFrame();
   void MakePyramids();
   bool FollowTracks();
+  /// From the left image before to this one.
+  Flow FollowFinely(const std::vector<cv::Point2f>& pixels,
+                    const std::vector<cv::Point2f>& guesses) const;
   void RunNetworks();
   void FindWays();
   nn::Features Extract(const cv::Mat& image, const Camera& camera);
