@@ -60,8 +60,11 @@ TEST_F(ImuTest, IsUsedWhereTheDataSetHasOne) {
   const Outcome offset = Run(run + Path("offset") + " --estimate-time-offset");
   ASSERT_EQ(offset.exit_code, 0) << offset.error;
   const nlohmann::json estimated = Metrics("offset").at("imu");
-  EXPECT_NEAR(estimated.at("time_offset_s").get<double>(), 0.0, 5e-4);
-  EXPECT_GT(estimated.at("time_offset_sigma_s").get<double>(), 0.0);
+  // These images are coarse: as near as it says.
+  const double sigma_s = estimated.at("time_offset_sigma_s");
+  EXPECT_NEAR(estimated.at("time_offset_s").get<double>(), 0.0, 4.0 * sigma_s);
+  EXPECT_GT(sigma_s, 0.0);
+  EXPECT_LT(sigma_s, 1e-3);
   EXPECT_FALSE(imu.contains("time_offset_s"));
   EXPECT_NE(Contents(fs::path(Path("offset")) / "report.html").find("Time offset"),
             std::string::npos);
