@@ -81,6 +81,10 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       ->excludes(save);
   command.add_flag("--imu-rate", arguments.places.has_imu_rate,
                    "Write imu_rate, too: a pose for every reading of the inertial unit");
+  command.add_flag(
+      "--estimate-time-offset", arguments.config.odometry.inertial.estimate_time_offset,
+      "Estimate how far the inertial unit's clock is ahead of the images', within some "
+      "10 ms (imu.time_offset_s in metrics.json)");
   command.add_flag("--strict", arguments.is_strict,
                    "End at a frame that cannot be read, in place of leaving it out; what came "
                    "before it is kept");
@@ -170,6 +174,10 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
   if (arguments.places.has_imu_rate && !setup.uses_imu) {
     throw Error(arguments.dataset.string() +
                 ": no inertial unit is used, which --imu-rate needs (see --imu)");
+  }
+  if (arguments.config.odometry.inertial.estimate_time_offset && !setup.uses_imu) {
+    throw Error(setup.dataset.root.string() +
+                ": no inertial unit is used, which --estimate-time-offset needs (see --imu)");
   }
   PrintNotes(setup.dataset);
   if (store) {

@@ -71,8 +71,12 @@ std::optional<ImuRecord> MakeImuRecord(const vo::Dataset& dataset, const vo::Odo
   if (inertial == nullptr) {
     return std::nullopt;
   }
-  return ImuRecord{dataset.imu->path, inertial->begin(), inertial->why_waiting(),
-                   inertial->gyroscope_noise_factor(), inertial->accelerometer_noise_factor()};
+  return ImuRecord{dataset.imu->path,
+                   inertial->begin(),
+                   inertial->why_waiting(),
+                   inertial->gyroscope_noise_factor(),
+                   inertial->accelerometer_noise_factor(),
+                   inertial->clock().Fault()};
 }
 
 Json ImuJson(const ImuRecord& record, const std::vector<vo::FrameResult>& frames) {
@@ -100,6 +104,10 @@ Json ImuJson(const ImuRecord& record, const std::vector<vo::FrameResult>& frames
     json["gyroscope_bias_sigma"] = newest->gyroscope_bias_sigma;
     json["accelerometer_bias"] = ToJson(newest->bias.accelerometer);
     json["accelerometer_bias_sigma"] = newest->accelerometer_bias_sigma;
+    if (newest->time_offset_s) {
+      json["time_offset_s"] = *newest->time_offset_s;
+      json["time_offset_sigma_s"] = newest->time_offset_sigma_s;
+    }
     json["residual"] = {
         {"gyroscope", MedianRms(frames, &vo::InertialEstimate::gyroscope_rms)},
         {"accelerometer", MedianRms(frames, &vo::InertialEstimate::accelerometer_rms)}};
@@ -113,6 +121,9 @@ vo::Trajectory ImuRateTrajectory(const vo::ImuData& imu,
                                  const std::vector<vo::FrameResult>& frames) {
   vo::ImuReadings readings(imu.noise);
   readings.Add(imu.samples);
+  if (const vo::InertialEstimate* const newest = Newest(frames); newest && newest->time_offset_s) {
+    readings.set_time_offset_s(*newest->time_offset_s);
+  }
   vo::Trajectory trajectory;
   const vo::FrameResult* before = nullptr;
   for (const vo::FrameResult& frame : frames) {

@@ -19,6 +19,7 @@ struct ImuRecord {
   std::string why_waiting;
   double gyroscope_noise_factor = 1.0;
   double accelerometer_noise_factor = 1.0;
+  std::string clock_fault;  ///< ClockWatch::Fault().
 };
 
 /// Whether the data set's inertial unit is used, as --imu asks (DatasetArguments::imu). What a user

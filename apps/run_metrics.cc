@@ -246,6 +246,13 @@ std::string RunMetrics::InertialSentence(const Context& context) const {
        << (begin->is_at_rest ? "at rest" : "in motion") << ' '
        << 1e-9 * static_cast<double>(begin->timestamp_ns - frames_.front().timestamp_ns)
        << " s after the first frame";
+  const auto newest = std::find_if(
+      frames_.rbegin(), frames_.rend(),
+      [](const vo::FrameResult& frame) { return frame.inertial && frame.inertial->time_offset_s; });
+  if (newest != frames_.rend()) {
+    text << std::setprecision(2) << "; its stamps are " << 1e3 * *newest->inertial->time_offset_s
+         << " ms (sigma " << 1e3 * newest->inertial->time_offset_sigma_s << ") behind the images'";
+  }
   return text.str();
 }
 

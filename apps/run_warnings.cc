@@ -70,6 +70,9 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
       frames_.back().timestamp_ns - frames_.front().timestamp_ns > kLongNs) {
     warnings.push_back(InertialSentence(context));
   }
+  if (context.imu && !context.imu->clock_fault.empty()) {
+    warnings.push_back(context.imu->clock_fault + "; --estimate-time-offset makes up for it");
+  }
   if (const std::size_t doubtful = count(&vo::FrameResult::is_doubtful); doubtful > 0) {
     warnings.push_back(Counted(doubtful, "pose") +
                        " doubtful: less than half of what is seen agrees with them (does something "

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <numbers>
 
 #include "frame_series.h"
@@ -63,9 +64,18 @@ std::string InertialSection(const RunReport& report) {
       chart("What readings contradict, in standard deviations", "rms",
             {series("gyroscope", "first", [](const Estimate& one) { return one.gyroscope_rms; }),
              series("accelerometer", "second",
-                    [](const Estimate& one) { return one.accelerometer_rms; })}) +
-      "</div></section>\n";
-  return html;
+                    [](const Estimate& one) { return one.accelerometer_rms; })});
+  if (std::any_of(report.frames.begin(), report.frames.end(), [](const vo::FrameResult& frame) {
+        return frame.inertial && frame.inertial->time_offset_s;
+      })) {
+    html +=
+        chart("Time offset of the readings", "ms",
+              {series("readings are stamped late by", "first",
+                      [](const Estimate& one) { return 1e3 * one.time_offset_s.value_or(0.0); }),
+               series("how well it is known (1 sigma)", "third",
+                      [](const Estimate& one) { return 1e3 * one.time_offset_sigma_s; })});
+  }
+  return html + "</div></section>\n";
 }
 
 }  // namespace gluevo::apps

@@ -57,6 +57,21 @@ TEST_F(ImuTest, IsUsedWhereTheDataSetHasOne) {
   EXPECT_NE(rate.error.find("--imu-rate"), std::string::npos) << rate.error;
   EXPECT_FALSE(fs::exists(fs::path(Path("rate")) / "trajectory.tum"));
 
+  const Outcome offset = Run(run + Path("offset") + " --estimate-time-offset");
+  ASSERT_EQ(offset.exit_code, 0) << offset.error;
+  const nlohmann::json estimated = Metrics("offset").at("imu");
+  // These images are coarse: as near as it says.
+  const double sigma_s = estimated.at("time_offset_sigma_s");
+  EXPECT_NEAR(estimated.at("time_offset_s").get<double>(), 0.0, 4.0 * sigma_s);
+  EXPECT_GT(sigma_s, 0.0);
+  EXPECT_LT(sigma_s, 1e-3);
+  EXPECT_FALSE(imu.contains("time_offset_s"));
+  EXPECT_NE(Contents(fs::path(Path("offset")) / "report.html").find("Time offset"),
+            std::string::npos);
+  const Outcome no_unit = Run(run + Path("no_unit") + " --imu off --estimate-time-offset");
+  EXPECT_NE(no_unit.exit_code, 0);
+  EXPECT_NE(no_unit.error.find("--estimate-time-offset"), std::string::npos) << no_unit.error;
+
   fs::remove_all(fs::path(flight) / "mav0" / "imu0");
   const Outcome none = Run(run + Path("none") + " --imu on");
   EXPECT_NE(none.exit_code, 0);

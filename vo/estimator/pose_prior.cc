@@ -56,7 +56,8 @@ std::optional<std::size_t> PosePrior::Find(int64_t frame_id) const {
 Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
                                  const Eigen::Quaterniond& present_body_from_right,
                                  const std::vector<VelocityAndBias>& present_motions,
-                                 const Eigen::Vector2d& present_gravity_turn) const {
+                                 const Eigen::Vector2d& present_gravity_turn,
+                                 const std::optional<double>& present_time_offset_s) const {
   Eigen::VectorXd delta(Columns());
   for (std::size_t i = 0; i < present.size(); ++i) {
     delta.segment<kPose>(kPose * i) = Minus(present[i], world_from_body[i]);
@@ -67,6 +68,9 @@ Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
   }
   if (gravity_turn) {
     delta.segment<kGravity>(GravityColumn()) = present_gravity_turn - *gravity_turn;
+  }
+  if (time_offset_s) {
+    delta[TimeOffsetColumn()] = *present_time_offset_s - *time_offset_s;
   }
   return delta;
 }
@@ -91,6 +95,9 @@ void Marginalizer::AddPrior(const PosePrior& prior) {
   if (prior.gravity_turn) {
     by_state.middleCols<kGravity>(state_.GravityColumn()) =
         prior.jacobian.middleCols<kGravity>(prior.GravityColumn());
+  }
+  if (prior.time_offset_s) {
+    by_state.col(state_.TimeOffsetColumn()) = prior.jacobian.col(prior.TimeOffsetColumn());
   }
   hessian_ += by_state.transpose() * by_state;
   gradient_ += by_state.transpose() * prior.residual;
@@ -155,6 +162,7 @@ PosePrior Marginalizer::EliminateInertia() const {
   PosePrior rest = state_;
   rest.motions.clear();
   rest.gravity_turn.reset();
+  rest.time_offset_s.reset();
   return EliminateColumns([&](Eigen::Index i) { return i >= rest.Columns(); }, rest);
 }
 

@@ -24,6 +24,7 @@ void SlidingWindow::StartProblem() {
   problem.prior = nullptr;
   problem.motions.clear();
   problem.measured.clear();
+  problem.time_offset_s.reset();
 }
 
 void SlidingWindow::AddPriorToProblem() {
@@ -75,6 +76,7 @@ void SlidingWindow::TakeOver(const WindowProblem& problem) {
     frames_[i].motion = problem.motions[i];
   }
   gravity_.turn = problem.gravity.turn;
+  time_offset_s_ = problem.time_offset_s;
   Eigen::Quaterniond& body_from_right = rig_.body_from_cam[1].rotation;
   body_from_right = (body_from_right * ExpSo3(problem.turn).conjugate()).normalized();
   auto point = problem.points.begin();

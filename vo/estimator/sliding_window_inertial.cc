@@ -37,6 +37,11 @@ PosePrior WithStart(const std::optional<PosePrior>& prior, PosePrior linearizati
   hessian.block<kBiases, kBiases>(biases, biases) = information.topLeftCorner<kBiases, kBiases>();
   hessian.block<2, kBiases>(gravity, biases) = information.bottomLeftCorner<2, kBiases>();
   hessian.block<2, 2>(gravity, gravity) = information.bottomRightCorner<2, 2>();
+  if (linearization.time_offset_s) {
+    const double sigma = kTwice * start.time_offset_sigma_s;
+    const Eigen::Index offset = linearization.TimeOffsetColumn();
+    hessian(offset, offset) = weight * weight / (sigma * sigma);
+  }
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(linearization.Columns());
   marginalizer.Add(hessian, zero, zero);
   return marginalizer.Keep();
@@ -47,6 +52,9 @@ PosePrior WithStart(const std::optional<PosePrior>& prior, PosePrior linearizati
 void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& readings) {
   readings_ = &readings;
   gravity_ = {start.gravity_in_world, Eigen::Vector2d::Zero()};
+  if (start.time_offset_sigma_s > 0.0) {
+    time_offset_s_ = readings.time_offset_s();
+  }
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     Frame& frame = frames_[i];
     frame.motion.bias = start.bias;
@@ -73,6 +81,7 @@ void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& 
   }
   linearization.motions = {frames_.front().motion};
   linearization.gravity_turn = gravity_.turn;
+  linearization.time_offset_s = time_offset_s_;
   prior_ = WithStart(prior_, std::move(linearization), start, views_noise_.Factor());
 }
 
@@ -88,6 +97,7 @@ void SlidingWindow::StopInertia() {
   marginalizer.AddPrior(*prior_);
   prior_ = marginalizer.EliminateInertia();
   readings_ = nullptr;
+  time_offset_s_.reset();
   inertial_covariance_.reset();
   for (Frame& frame : frames_) {
     frame.motion = {};
@@ -112,6 +122,12 @@ void SlidingWindow::Measure(const Frame& first, Frame& second) const {
   }
 }
 
+bool SlidingWindow::IsTimeOffsetFar(const Preintegration& measured) const {
+  constexpr double kFar = 0.5e-3;
+  return time_offset_s_ && std::abs(measured.time_offset_s - *time_offset_s_) > kFar &&
+         std::abs(measured.time_offset_s - readings_->time_offset_s()) > 0.5 * kFar;
+}
+
 void SlidingWindow::JoinAcross(std::size_t index) {
   if (has_inertia()) {
     Frame& after = frames_[index + 1];
@@ -125,6 +141,7 @@ void SlidingWindow::AddInertiaToProblem() {
   }
   WindowProblem& problem = workspace_->problem;
   problem.gravity = gravity_;
+  problem.time_offset_s = time_offset_s_;
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     Frame& frame = frames_[i];
     problem.motions.push_back(frame.motion);
@@ -132,7 +149,8 @@ void SlidingWindow::AddInertiaToProblem() {
       continue;
     }
     const Frame& before = frames_[i - 1];
-    if (IsBiasFar(frame.measured->measured, before.motion.bias)) {
+    if (IsBiasFar(frame.measured->measured, before.motion.bias) ||
+        IsTimeOffsetFar(frame.measured->measured)) {
       frame.measured =
           FactorOf(readings_->Between(before.timestamp_ns, frame.timestamp_ns, before.motion.bias));
     }
@@ -142,7 +160,7 @@ void SlidingWindow::AddInertiaToProblem() {
 
 void SlidingWindow::AddInertiaTo(Marginalizer& marginalizer) const {
   AddMeasured(*frames_[1].measured, {StateOfFrame(frames_[0]), StateOfFrame(frames_[1])}, gravity_,
-              Delta(marginalizer.linearization()), marginalizer);
+              time_offset_s_, Delta(marginalizer.linearization()), marginalizer);
 }
 
 SlidingWindow::InertialMisfit SlidingWindow::Misfit() const {
@@ -150,10 +168,11 @@ SlidingWindow::InertialMisfit SlidingWindow::Misfit() const {
     return {};
   }
   const Frame& before = frames_[frames_.size() - 2];
-  const InertialVector residual = Whitened(*frames_.back().measured, StateOfFrame(before),
-                                           StateOfFrame(frames_.back()), gravity_in_world())
-                                      .value /
-                                  frames_.back().measured->weight;
+  const InertialVector residual =
+      Whitened(*frames_.back().measured, StateOfFrame(before), StateOfFrame(frames_.back()),
+               gravity_in_world(), time_offset_s_)
+          .value /
+      frames_.back().measured->weight;
   const auto squares = [&](int block) { return residual.segment<3>(block).squaredNorm(); };
   return {(squares(kRotation) + squares(kGyroscopeBias)) / 6.0,
           (squares(kPosition) + squares(kVelocity) + squares(kAccelerometerBias)) / 9.0};

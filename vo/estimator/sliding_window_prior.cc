@@ -20,6 +20,7 @@ void SlidingWindow::MarginalizeOldest() {
   if (has_inertia()) {
     linearization.motions = {prior_->motions.front(), frames_[1].motion};
     linearization.gravity_turn = prior_->gravity_turn;
+    linearization.time_offset_s = prior_->time_offset_s;
   }
   Marginalizer marginalizer(linearization);
   if (prior_) {
@@ -57,7 +58,8 @@ Eigen::VectorXd SlidingWindow::Delta(const PosePrior& linearization) const {
     poses.push_back(frame.world_from_body);
     motions.push_back(frame.motion);
   }
-  return linearization.Delta(poses, rig_.body_from_cam[1].rotation, motions, gravity_.turn);
+  return linearization.Delta(poses, rig_.body_from_cam[1].rotation, motions, gravity_.turn,
+                             time_offset_s_);
 }
 
 // Residuals as they are now, derivatives at the prior's linearisation point (see PosePrior).

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
@@ -49,6 +50,10 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
         workspace.equations.CovarianceOfMotion(static_cast<int>(frames_.size()) - 1);
     if (inertial_covariance_) {
       *inertial_covariance_ *= views_noise_.Factor() * views_noise_.Factor();
+    }
+    if (time_offset_s_) {
+      time_offset_sigma_s_ =
+          views_noise_.Factor() * std::sqrt(workspace.equations.VarianceOfTimeOffset());
     }
   }
   const Rigid3& world_from_body = frames_.back().world_from_body;

@@ -24,7 +24,8 @@ void WindowEquations::Linearize(const WindowState& state) {
   system_.Reset({.frames = static_cast<int>(state.world_from_body.size()),
                  .fixed_frames = 1,
                  .has_turn = problem_->turn_sigma > 0.0,
-                 .has_inertia = problem_->has_inertia()});
+                 .has_inertia = problem_->has_inertia(),
+                 .has_time_offset = problem_->time_offset_s.has_value()});
   points_.Linearize(*problem_, geometry_, geometry_, state.points, system_);
   views_cost_ = system_.cost;
   priors_.AddTo(state, system_);
@@ -108,6 +109,15 @@ std::optional<WindowEquations::MotionCovariance> WindowEquations::CovarianceOfMo
   MotionCovariance covariance;
   covariance << columns_.middleRows<kMotion>(motion), columns_.middleRows<kGravity>(gravity);
   return covariance.allFinite() ? std::optional(covariance) : std::nullopt;
+}
+
+double WindowEquations::VarianceOfTimeOffset() {
+  const int column = system_.columns.TimeOffset();
+  columns_.setZero(reduced_.rows(), 1);
+  columns_(column, 0) = 1.0;
+  reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);
+  // The inverse is L^-T L^-1.
+  return columns_.squaredNorm();
 }
 
 }  // namespace gluevo::vo

@@ -43,6 +43,8 @@ class WindowEquations {
   /// Covariance() has given something.
   using MotionCovariance = Eigen::Matrix<double, 11, 11>;
   std::optional<MotionCovariance> CovarianceOfMotion(int frame);
+  /// Likewise of the time offset where it is estimated, s^2.
+  double VarianceOfTimeOffset();
   /// By how much the linearised problem says that the cost falls with the step.
   double predicted_decrease() const { return predicted_decrease_; }
 

@@ -23,10 +23,10 @@ VelocityAndBias Plus(const VelocityAndBias& motion,
 }
 
 WhitenedInertialResidual WhitenedByTurn(const InertialFactor& factor, const InertialState& first,
-                                        const InertialState& second,
-                                        const GravityEstimate& gravity) {
+                                        const InertialState& second, const GravityEstimate& gravity,
+                                        const std::optional<double>& time_offset_s) {
   const Eigen::Vector3d in_world = gravity.InWorld();
-  WhitenedInertialResidual residual = Whitened(factor, first, second, in_world);
+  WhitenedInertialResidual residual = Whitened(factor, first, second, in_world, time_offset_s);
   // Both tangents are of the same plane.
   const Eigen::Matrix2d step_by_turn =
       GravityTangent(in_world).transpose() * gravity.ByTurn() / in_world.squaredNorm();
@@ -45,7 +45,8 @@ double InertialCost(const WindowProblem& problem, const WindowState& state) {
     const InertialVector residual =
         ComputeInertialResidual(StateOf(state.world_from_body[i], state.motions[i]),
                                 StateOf(state.world_from_body[i + 1], state.motions[i + 1]),
-                                factor.measured, gravity)
+                                factor.measured, gravity,
+                                ShiftTo(state.time_offset_s, factor.measured))
             .value;
     cost += 0.5 * (factor.whitening.triangularView<Eigen::Lower>() * residual).squaredNorm();
   }
@@ -59,15 +60,38 @@ void AddInertial(const WindowProblem& problem, const WindowState& state, WindowS
   const GravityEstimate gravity = GravityAt(problem, state);
   const WindowColumns& columns = system.columns;
   for (std::size_t i = 0; i < problem.measured.size(); ++i) {
-    const WhitenedInertialResidual residual =
-        WhitenedByTurn(*problem.measured[i], StateOf(state.world_from_body[i], state.motions[i]),
-                       StateOf(state.world_from_body[i + 1], state.motions[i + 1]), gravity);
+    const WhitenedInertialResidual residual = WhitenedByTurn(
+        *problem.measured[i], StateOf(state.world_from_body[i], state.motions[i]),
+        StateOf(state.world_from_body[i + 1], state.motions[i + 1]), gravity, state.time_offset_s);
     system.cost += residual.Cost();
     const int frame = static_cast<int>(i);
-    AddAt(NormalEquationsOf(residual),
+    AddAt(residual,
           {columns.Of(frame), columns.Motion(frame), columns.Of(frame + 1),
            columns.Motion(frame + 1), columns.Gravity()},
-          system.hessian, system.gradient);
+          columns.has_time_offset ? columns.TimeOffset() : -1, system.hessian, system.gradient);
+  }
+}
+
+void AddAt(const WhitenedInertialResidual& residual, const InertialPlaces& places, int time_offset,
+           Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient) {
+  AddAt(NormalEquationsOf(residual), places, hessian, gradient);
+  if (time_offset < 0) {
+    return;
+  }
+  const InertialVector& by_offset = residual.by_time_offset;
+  hessian(time_offset, time_offset) += by_offset.squaredNorm();
+  gradient[time_offset] += by_offset.dot(residual.value);
+  Eigen::Matrix<double, kInertialColumns, 1> with_others;
+  with_others << residual.by_first.transpose() * by_offset,
+      residual.by_second.transpose() * by_offset, residual.by_gravity.transpose() * by_offset;
+  int row = 0;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] >= 0) {
+      const auto part = with_others.segment(row, kSizes[i]);
+      hessian.block(places[i], time_offset, kSizes[i], 1) += part;
+      hessian.block(time_offset, places[i], 1, kSizes[i]) += part.transpose();
+    }
+    row += kSizes[i];
   }
 }
 
@@ -91,22 +115,27 @@ void AddAt(const InertialNormalEquations& equations, const InertialPlaces& place
 }
 
 void AddMeasured(const InertialFactor& factor, const std::array<InertialState, 2>& present,
-                 const GravityEstimate& present_gravity, const Eigen::VectorXd& delta,
+                 const GravityEstimate& present_gravity,
+                 const std::optional<double>& present_time_offset_s, const Eigen::VectorXd& delta,
                  Marginalizer& marginalizer) {
   const PosePrior& linearization = marginalizer.linearization();
   const auto at = [&](std::size_t i) {
     return StateOf(linearization.world_from_body[i], linearization.motions[i]);
   };
   WhitenedInertialResidual residual = WhitenedByTurn(
-      factor, at(0), at(1), {present_gravity.first_in_world, *linearization.gravity_turn});
-  residual.value = Whitened(factor, present[0], present[1], present_gravity.InWorld()).value;
+      factor, at(0), at(1), {present_gravity.first_in_world, *linearization.gravity_turn},
+      present_time_offset_s);
+  residual.value =
+      Whitened(factor, present[0], present[1], present_gravity.InWorld(), present_time_offset_s)
+          .value;
   const Eigen::Index columns = linearization.Columns();
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(columns, columns);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(columns);
-  AddAt(NormalEquationsOf(residual),
+  AddAt(residual,
         {0, static_cast<int>(linearization.MotionColumn(0)), kPose,
          static_cast<int>(linearization.MotionColumn(1)),
          static_cast<int>(linearization.GravityColumn())},
+        linearization.time_offset_s ? static_cast<int>(linearization.TimeOffsetColumn()) : -1,
         hessian, gradient);
   marginalizer.Add(hessian, gradient, delta);
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 #include "gluevo/vo/estimator/pose_prior.h"
 #include "gluevo/vo/inertial/gravity.h"
@@ -27,21 +28,26 @@ void AddInertial(const WindowProblem& problem, const WindowState& state, WindowS
 /// Whitened with derivatives by gravity's turn (GravityEstimate) in place of those by
 /// TurnedGravity().
 WhitenedInertialResidual WhitenedByTurn(const InertialFactor& factor, const InertialState& first,
-                                        const InertialState& second,
-                                        const GravityEstimate& gravity);
+                                        const InertialState& second, const GravityEstimate& gravity,
+                                        const std::optional<double>& time_offset_s);
 
 /// Where a factor's columns stand: of pose and motion of the first frame, of the second, of
 /// gravity. A negative one is fixed.
 using InertialPlaces = std::array<int, 5>;
-/// Adds both triangles.
+/// Adds both triangles of a factor's part: with its time offset, whose column is `time_offset`,
+/// where that is not negative.
+void AddAt(const WhitenedInertialResidual& residual, const InertialPlaces& places, int time_offset,
+           Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient);
+/// Likewise without time offset.
 void AddAt(const InertialNormalEquations& equations, const InertialPlaces& places,
            Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient);
 
 /// Adds what was measured between the first two frames of a marginalizer, which have motions: the
-/// residual of the present states, `delta` away from the linearisation point, with derivatives
-/// there (see PosePrior).
+/// residual of the present states, gravity and time offset, `delta` away from the linearisation
+/// point, with derivatives there (see PosePrior).
 void AddMeasured(const InertialFactor& factor, const std::array<InertialState, 2>& present,
-                 const GravityEstimate& present_gravity, const Eigen::VectorXd& delta,
+                 const GravityEstimate& present_gravity,
+                 const std::optional<double>& present_time_offset_s, const Eigen::VectorXd& delta,
                  Marginalizer& marginalizer);
 
 }  // namespace gluevo::vo

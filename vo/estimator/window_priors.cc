@@ -45,6 +45,9 @@ void WindowPriors::SetResidual(const WindowState& state) {
     delta_.segment<PosePrior::kGravity>(prior.GravityColumn()) =
         state.gravity_turn - *prior.gravity_turn;
   }
+  if (prior.time_offset_s) {
+    delta_[prior.TimeOffsetColumn()] = *state.time_offset_s - *prior.time_offset_s;
+  }
   residual_ = prior.residual;
   residual_.noalias() += prior.jacobian * delta_;
 }
@@ -110,6 +113,36 @@ void WindowPriors::AddTo(const WindowState& state, WindowSystem& system) {
   if (problem_->prior->gravity_turn) {
     AddInertiaTo(system);
   }
+  if (problem_->prior->time_offset_s) {
+    AddTimeOffsetTo(system);
+  }
+}
+
+// Its column stands before those of motions and gravity: below the diagonal are their rows.
+void WindowPriors::AddTimeOffsetTo(WindowSystem& system) const {
+  const PosePrior& prior = *problem_->prior;
+  const WindowColumns& columns = system.columns;
+  const std::vector<int>& frames = problem_->prior_frames;
+  const int offset = columns.TimeOffset();
+  const Eigen::Index in_prior = prior.TimeOffsetColumn();
+  system.gradient[offset] += gradient_[in_prior];
+  system.hessian(offset, offset) += hessian_(in_prior, in_prior);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (const int column = columns.Of(frames[i]); column >= 0) {
+      system.hessian.block<1, kPose>(offset, column).noalias() +=
+          hessian_.block<1, kPose>(in_prior, PoseInPrior(i)) * by_step_[i];
+    }
+  }
+  if (columns.has_turn) {
+    system.hessian.block<1, 3>(offset, columns.Turn()) +=
+        hessian_.block<1, 3>(in_prior, prior.TurnColumn());
+  }
+  for (std::size_t i = 0; i < prior.motions.size(); ++i) {
+    system.hessian.block<PosePrior::kMotion, 1>(columns.Motion(frames[i]), offset) +=
+        hessian_.block<PosePrior::kMotion, 1>(prior.MotionColumn(i), in_prior);
+  }
+  system.hessian.block<PosePrior::kGravity, 1>(columns.Gravity(), offset) +=
+      hessian_.block<PosePrior::kGravity, 1>(prior.GravityColumn(), in_prior);
 }
 
 void WindowPriors::AddInertiaTo(WindowSystem& system) const {

@@ -26,6 +26,8 @@ class WindowPriors {
   void AddTurnTo(const WindowState& state, WindowSystem& system) const;
   /// The rows of motions and gravity, once by_step_ and gradient_ are set.
   void AddInertiaTo(WindowSystem& system) const;
+  /// Likewise the time offset's.
+  void AddTimeOffsetTo(WindowSystem& system) const;
 
   const WindowProblem* problem_ = nullptr;
   Eigen::MatrixXd hessian_;  ///< J^T J at the linearisation point, of no state.

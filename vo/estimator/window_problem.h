@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "gluevo/vo/core/rigid3.h"
@@ -15,7 +16,7 @@ namespace gluevo::vo {
 /// The window's bundle adjustment as plain data, the same for every solver: the poses of frames,
 /// the turn of the right camera, and points that the frames see (Qin et al. 2018, section VI).
 /// A solver changes `world_from_body` (but for the first, the gauge), `turn`, the points, and with
-/// an inertial unit `motions` and gravity's turn.
+/// an inertial unit `motions`, gravity's turn and the time offset.
 ///
 /// To add a measurement that is not a view: its data become a member here, what it estimates beside
 /// the poses a member here and in WindowState, with columns behind those that there are
@@ -66,6 +67,9 @@ struct WindowProblem {
   std::vector<const InertialFactor*> measured;
   /// The poses' gauge is a whole pose, so that gravity's direction in the world is to be found.
   GravityEstimate gravity;
+  /// That of ImuReadings, seconds; nothing where it is not estimated. What is known of it
+  /// beforehand is in the prior.
+  std::optional<double> time_offset_s;
 
   bool has_inertia() const { return !motions.empty(); }
 };
@@ -77,6 +81,7 @@ struct WindowState {
   std::vector<Eigen::Vector3d> points;
   std::vector<VelocityAndBias> motions = {};
   Eigen::Vector2d gravity_turn = Eigen::Vector2d::Zero();
+  std::optional<double> time_offset_s = std::nullopt;
 
   void Set(const WindowProblem& problem);
 };

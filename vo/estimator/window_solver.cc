@@ -37,6 +37,7 @@ constexpr double kLeastGain = 1e-3;
 // What is not finite counts as behind the cameras, at a cost that is.
 bool IsFinite(const WindowProblem& problem) {
   return problem.turn.allFinite() && problem.gravity.turn.allFinite() &&
+         (!problem.time_offset_s || std::isfinite(*problem.time_offset_s)) &&
          std::all_of(problem.motions.begin(), problem.motions.end(),
                      [](const VelocityAndBias& motion) {
                        return motion.velocity_in_world.allFinite() &&
@@ -61,6 +62,7 @@ void WindowState::Set(const WindowProblem& problem) {
                  [](const WindowProblem::Point& point) { return point.position; });
   motions = problem.motions;
   gravity_turn = problem.gravity.turn;
+  time_offset_s = problem.time_offset_s;
 }
 
 void WindowSolver::MoveBy(const WindowState& from, WindowState& to) const {
@@ -85,6 +87,10 @@ void WindowSolver::MoveBy(const WindowState& from, WindowState& to) const {
   to.gravity_turn = from.gravity_turn;
   if (columns.has_inertia) {
     to.gravity_turn += step.segment<WindowColumns::kGravity>(columns.Gravity());
+  }
+  to.time_offset_s = from.time_offset_s;
+  if (columns.has_time_offset) {
+    *to.time_offset_s += step[columns.TimeOffset()];
   }
   to.points.resize(from.points.size());
   for (std::size_t i = 0; i < from.points.size(); ++i) {
@@ -137,6 +143,7 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
   problem.turn = state_.turn;
   problem.motions = state_.motions;
   problem.gravity.turn = state_.gravity_turn;
+  problem.time_offset_s = state_.time_offset_s;
   for (std::size_t i = 0; i < problem.points.size(); ++i) {
     problem.points[i].position = state_.points[i];
   }

@@ -8,8 +8,8 @@
 namespace gluevo::vo {
 
 /// Which columns of the normal equations are whose: frames in order, each with the tangent of its
-/// pose, then the turn; then, with an inertial unit, frames in order, each with its velocity and
-/// biases, and gravity's turn.
+/// pose, then the turn; then, with an inertial unit, its time offset where that is estimated,
+/// frames in order, each with its velocity and biases, and gravity's turn.
 struct WindowColumns {
   static constexpr int kFrame = kPoseTangentSize;
   static constexpr int kMotion = 9;
@@ -19,12 +19,14 @@ struct WindowColumns {
   int fixed_frames = 0;   ///< 0 or 1: so many have no columns.
   bool has_turn = false;  ///< Whether the turn is estimated.
   bool has_inertia = false;
+  bool has_time_offset = false;  ///< Whether it is estimated.
 
   /// The first of a frame, negative for a fixed one.
   int Of(int frame) const { return frame < fixed_frames ? -1 : kFrame * (frame - fixed_frames); }
   int Turn() const { return kFrame * (frames - fixed_frames); }
   /// Those of a fixed frame are there, too: the gauge is a pose.
-  int Motion(int frame) const { return Turn() + (has_turn ? 3 : 0) + kMotion * frame; }
+  int Motion(int frame) const { return TimeOffset() + (has_time_offset ? 1 : 0) + kMotion * frame; }
+  int TimeOffset() const { return Turn() + (has_turn ? 3 : 0); }
   int Gravity() const { return Motion(frames); }
   int Count() const { return has_inertia ? Gravity() + kGravity : Motion(0); }
 };

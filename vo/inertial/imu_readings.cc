@@ -1,6 +1,8 @@
 #include "gluevo/vo/inertial/imu_readings.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <string>
 
 #include "frame_intervals.h"
@@ -26,17 +28,32 @@ void ImuReadings::set_noise(const ImuNoise& noise) {
   noise_ = noise;
 }
 
-void ImuReadings::Add(std::span<const ImuSample> samples) {
-  const ImuSample* before = samples_.empty() ? nullptr : &samples_.back();
-  for (const ImuSample& sample : samples) {
-    if (before != nullptr && sample.timestamp_ns <= before->timestamp_ns) {
-      throw Error("inertial reading at " + std::to_string(sample.timestamp_ns) +
-                  " ns does not come after the one before, at " +
-                  std::to_string(before->timestamp_ns) + " ns");
-    }
-    before = &sample;
+void ImuReadings::set_time_offset_s(double time_offset_s) {
+  const auto time_offset_ns = static_cast<int64_t>(std::llround(1e9 * time_offset_s));
+  for (ImuSample& sample : samples_) {
+    sample.timestamp_ns -= time_offset_ns - time_offset_ns_;
   }
+  time_offset_ns_ = time_offset_ns;
+}
+
+void ImuReadings::Add(std::span<const ImuSample> samples) {
+  std::optional<int64_t> before_ns;
+  if (!samples_.empty()) {
+    before_ns = samples_.back().timestamp_ns + time_offset_ns_;
+  }
+  for (const ImuSample& sample : samples) {
+    if (before_ns && sample.timestamp_ns <= *before_ns) {
+      throw Error("inertial reading at " + std::to_string(sample.timestamp_ns) +
+                  " ns does not come after the one before, at " + std::to_string(*before_ns) +
+                  " ns");
+    }
+    before_ns = sample.timestamp_ns;
+  }
+  const auto count = static_cast<std::ptrdiff_t>(samples.size());
   samples_.insert(samples_.end(), samples.begin(), samples.end());
+  for (auto sample = samples_.end() - count; sample != samples_.end(); ++sample) {
+    sample->timestamp_ns -= time_offset_ns_;
+  }
 }
 
 void ImuReadings::ForgetBefore(int64_t time_ns) {
@@ -63,10 +80,12 @@ Preintegration ImuReadings::Between(int64_t begin_ns, int64_t end_ns, const ImuB
     throw Error("inertial readings: an interval that does not end after it begins");
   }
   const std::vector<ImuSample> around = Around(begin_ns, end_ns);
-  if (!IsCovered(around, begin_ns, end_ns)) {
-    return AcrossGap(1e-9 * static_cast<double>(end_ns - begin_ns), bias, noise_);
-  }
-  return Preintegrate(around, begin_ns, end_ns, bias, noise_);
+  Preintegration measured =
+      IsCovered(around, begin_ns, end_ns)
+          ? Preintegrate(around, begin_ns, end_ns, bias, noise_)
+          : AcrossGap(1e-9 * static_cast<double>(end_ns - begin_ns), bias, noise_);
+  measured.time_offset_s = time_offset_s();
+  return measured;
 }
 
 }  // namespace gluevo::vo

@@ -19,16 +19,22 @@ InertialFactor MakeInertialFactor(const Preintegration& measured, double weight)
 
 WhitenedInertialResidual Whitened(const InertialFactor& factor, const InertialState& first,
                                   const InertialState& second,
-                                  const Eigen::Vector3d& gravity_in_world) {
-  const InertialResidual residual =
-      ComputeInertialResidual(first, second, factor.measured, gravity_in_world);
+                                  const Eigen::Vector3d& gravity_in_world,
+                                  const std::optional<double>& time_offset_s) {
+  const InertialResidual residual = ComputeInertialResidual(
+      first, second, factor.measured, gravity_in_world, ShiftTo(time_offset_s, factor.measured));
   const auto whitening = factor.whitening.triangularView<Eigen::Lower>();
   WhitenedInertialResidual whitened;
   whitened.value = whitening * residual.value;
   whitened.by_first = whitening * residual.by_first;
   whitened.by_second = whitening * residual.by_second;
   whitened.by_gravity = whitening * (residual.by_gravity * GravityTangent(gravity_in_world));
+  whitened.by_time_offset = whitening * residual.by_shift;
   return whitened;
+}
+
+double ShiftTo(const std::optional<double>& time_offset_s, const Preintegration& measured) {
+  return time_offset_s ? *time_offset_s - measured.time_offset_s : 0.0;
 }
 
 WhitenedInertialResidual WhitenedAt(const InertialFactor& factor, const InertialState& first,

@@ -23,12 +23,12 @@ InertialState Plus(const InertialState& state, const InertialVector& delta) {
 
 InertialResidual ComputeInertialResidual(const InertialState& first, const InertialState& second,
                                          const Preintegration& measured,
-                                         const Eigen::Vector3d& gravity_in_world) {
+                                         const Eigen::Vector3d& gravity_in_world, double shift_s) {
   const double dt = measured.duration_s;
   const Eigen::Quaterniond& rotation0 = first.world_from_body.rotation;
   const Eigen::Quaterniond& rotation1 = second.world_from_body.rotation;
   const Eigen::Matrix3d body_from_world = rotation0.conjugate().toRotationMatrix();
-  const InertialMotion motion = measured.At(first.bias);
+  const InertialMotion motion = measured.At(first.bias, shift_s);
   const Eigen::Vector3d moved =
       body_from_world * (second.world_from_body.translation - first.world_from_body.translation -
                          first.velocity_in_world * dt - 0.5 * dt * dt * gravity_in_world);
@@ -72,6 +72,12 @@ InertialResidual ComputeInertialResidual(const InertialState& first, const Inert
   residual.by_gravity.setZero();
   residual.by_gravity.middleRows<3>(kPosition) = -0.5 * dt * dt * body_from_world;
   residual.by_gravity.middleRows<3>(kVelocity) = -dt * body_from_world;
+
+  const Eigen::Vector3d turn = measured.by_time_offset.segment<3>(kRotation);
+  residual.by_shift << -measured.by_time_offset.segment<3>(kPosition),
+      -log_by_turn * (ExpSo3(correction) * ExpSo3(turned)).conjugate().toRotationMatrix() *
+          RightJacobian(shift_s * turn) * turn,
+      -measured.by_time_offset.segment<3>(kVelocity), Eigen::Matrix<double, 6, 1>::Zero();
   return residual;
 }
 

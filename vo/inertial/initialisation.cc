@@ -16,8 +16,10 @@
 namespace gluevo::vo {
 namespace {
 
-/// The samples from the first frame to the last, and one beyond each.
-std::vector<ImuSample> Around(const Trajectory& frames, const std::vector<ImuSample>& samples) {
+/// The samples from the first frame to the last, and one beyond each; some more where it is not
+/// known how their clock goes.
+std::vector<ImuSample> Around(const Trajectory& frames, const std::vector<ImuSample>& samples,
+                              double time_offset_sigma_s) {
   if (frames.empty() || samples.empty()) {
     return {};
   }
@@ -26,9 +28,18 @@ std::vector<ImuSample> Around(const Trajectory& frames, const std::vector<ImuSam
         samples.begin(), samples.end(), time_ns,
         [](const ImuSample& sample, int64_t time) { return sample.timestamp_ns < time; });
   };
-  const auto begin = at(frames.front().timestamp_ns);
-  const auto end = at(frames.back().timestamp_ns);
+  constexpr double kSigmas = 10.0;
+  const int64_t margin_ns = std::llround(1e9 * kSigmas * time_offset_sigma_s);
+  const auto begin = at(frames.front().timestamp_ns - margin_ns);
+  const auto end = at(frames.back().timestamp_ns + margin_ns);
   return {begin == samples.begin() ? begin : begin - 1, end == samples.end() ? end : end + 1};
+}
+
+/// Takes a further time offset into account.
+void MoveBy(double time_offset_s, std::vector<ImuSample>& samples) {
+  for (ImuSample& sample : samples) {
+    sample.timestamp_ns -= std::llround(1e9 * time_offset_s);
+  }
 }
 
 void SolveForMotion(const EliminatedFrames& frames, double length, InertialStart& start) {
@@ -93,6 +104,7 @@ void InitialisationOptions::Validate() const {
   CheckPositive(vision_rotation_sigma, "vision_rotation_sigma");
   CheckPositive(gyroscope_bias_sigma, "gyroscope_bias_sigma");
   CheckPositive(accelerometer_bias_sigma, "accelerometer_bias_sigma");
+  CheckWithin(time_offset_sigma_s, 0.0, 1.0, "time_offset_sigma_s");
   CheckPositive(least_duration_s, "least_duration_s");
   CheckPositive(largest_gravity_sigma, "largest_gravity_sigma");
   CheckPositive(largest_gravity_error, "largest_gravity_error");
@@ -107,7 +119,7 @@ InertialStart StartInMotion(const Trajectory& frames, const std::vector<ImuSampl
       throw Error("initialisation: frames that are not in order of time");
     }
   }
-  const std::vector<ImuSample> samples = Around(frames, all_samples);
+  std::vector<ImuSample> samples = Around(frames, all_samples, options.time_offset_sigma_s);
   InertialStart start;
   std::vector<FrameInterval> intervals = IntegrateIntervals(frames, samples, start.bias, noise);
   double duration_s = 0.0;
@@ -126,12 +138,17 @@ InertialStart StartInMotion(const Trajectory& frames, const std::vector<ImuSampl
   GyroscopeStart gyroscope;
   // Again where the bias is what it is: far from it, derivatives are not those at zero.
   constexpr int kTimes = 2;
-  for (int i = 0; i < kTimes; ++i) {
-    gyroscope = EstimateGyroscopeBias(frames, intervals, options);
+  constexpr int kTimesWithOffset = 6;
+  const int times = options.time_offset_sigma_s > 0.0 ? kTimesWithOffset : kTimes;
+  for (int i = 0; i < times; ++i) {
+    gyroscope = EstimateGyroscopeBias(frames, intervals, options, start.time_offset_s);
+    MoveBy(gyroscope.time_offset_s, samples);
+    start.time_offset_s += gyroscope.time_offset_s;
     start.bias.gyroscope += gyroscope.bias;
     intervals = IntegrateIntervals(frames, samples, start.bias, noise);
   }
   start.rotation_rms = gyroscope.rms;
+  start.time_offset_sigma_s = gyroscope.time_offset_sigma_s * std::max(1.0, gyroscope.rms);
   SolveForMotion(BuildMotionEquations(frames, intervals, gyroscope.covariance, options),
                  options.gravity, start);
   start.refused = WhyRefused(start, options);

@@ -155,7 +155,37 @@ class Integrator {
   InertialMatrix by_start_ = InertialMatrix::Identity();
 };
 
+// Both ends move along the readings: the later one adds what is read there, the earlier one leaves
+// out what is read there, and turns the frame that all is given in.
+Eigen::Matrix<double, 9, 1> ByTimeOffset(const Preintegration& measured, const ImuSample& first,
+                                         const ImuSample& last) {
+  const InertialMotion& motion = measured.motion;
+  const Eigen::Vector3d rate = first.angular_velocity - measured.bias.gyroscope;
+  const Eigen::Vector3d force = first.specific_force - measured.bias.accelerometer;
+  Eigen::Matrix<double, 9, 1> derivative;
+  derivative.segment<3>(kPosition) =
+      motion.velocity - measured.duration_s * force - rate.cross(motion.position);
+  derivative.segment<3>(kRotation) =
+      last.angular_velocity - measured.bias.gyroscope - motion.rotation.conjugate() * rate;
+  derivative.segment<3>(kVelocity) =
+      motion.rotation * (last.specific_force - measured.bias.accelerometer) - force -
+      rate.cross(motion.velocity);
+  return derivative;
+}
+
 }  // namespace
+
+InertialMotion Preintegration::At(const ImuBias& other, double shift_s) const {
+  if (shift_s == 0.0) {
+    return At(other);
+  }
+  const Eigen::Matrix<double, 9, 1> change = shift_s * by_time_offset;
+  Preintegration shifted = *this;
+  shifted.motion.rotation = motion.rotation * ExpSo3(change.segment<3>(kRotation));
+  shifted.motion.velocity += change.segment<3>(kVelocity);
+  shifted.motion.position += change.segment<3>(kPosition);
+  return shifted.At(other);
+}
 
 InertialMotion Preintegration::At(const ImuBias& other) const {
   Eigen::Matrix<double, 6, 1> change;
@@ -174,7 +204,9 @@ Preintegration Preintegrate(const std::vector<ImuSample>& samples, int64_t begin
   for (std::size_t i = 1; i < within.size(); ++i) {
     integrator.Add(within[i - 1], within[i]);
   }
-  return integrator.Result();
+  Preintegration result = integrator.Result();
+  result.by_time_offset = ByTimeOffset(result, within.front(), within.back());
+  return result;
 }
 
 }  // namespace gluevo::vo

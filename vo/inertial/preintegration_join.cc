@@ -25,7 +25,7 @@ Preintegration AcrossGap(double duration_s, const ImuBias& bias, const ImuNoise&
 
 Preintegration Join(const Preintegration& first, const Preintegration& second) {
   const InertialMotion& motion = first.motion;
-  const InertialMotion rest = second.At(first.bias);
+  const InertialMotion rest = second.At(first.bias, first.time_offset_s - second.time_offset_s);
   const double dt = second.duration_s;
   const Eigen::Matrix3d rotation = motion.rotation.toRotationMatrix();
 
@@ -50,6 +50,9 @@ Preintegration Join(const Preintegration& first, const Preintegration& second) {
   Eigen::Matrix<double, kInertialTangentSize, 6> by_bias;
   by_bias << first.by_bias, Eigen::Matrix<double, 6, 6>::Identity();
   joined.by_bias = transition.topRows<9>() * by_bias;
+  joined.time_offset_s = first.time_offset_s;
+  joined.by_time_offset = transition.topLeftCorner<9, 9>() * first.by_time_offset +
+                          own.topLeftCorner<9, 9>() * second.by_time_offset;
   joined.covariance = transition * first.covariance * transition.transpose() +
                       own * second.covariance * own.transpose();
   return joined;

@@ -20,11 +20,30 @@ void InertialOptions::Validate() const {
   rest.Validate();
   CheckPositive(max_bridge_sigma_m, "inertial.max_bridge_sigma_m");
   CheckWithin(bridge_after_s, 0.0, 1e6, "inertial.bridge_after_s");
+  CheckWithin(time_offset_sigma_s, 1e-6, 0.1, "inertial.time_offset_sigma_s");
 }
 
 InertialNavigation::InertialNavigation(const ImuNoise& noise, const InertialOptions& options)
     : noise_(noise), options_(options), readings_(noise) {
   options_.Validate();
+  if (options_.estimate_time_offset) {
+    options_.start.time_offset_sigma_s = options_.time_offset_sigma_s;
+  }
+}
+
+void InertialNavigation::FollowTimeOffset(double time_offset_s, double sigma_s) {
+  // The window takes smaller changes into account by itself.
+  constexpr double kSmall = 1e-4;
+  options_.start.time_offset_sigma_s = std::max(kSmall, sigma_s);
+  if (std::abs(time_offset_s - readings_.time_offset_s()) > kSmall) {
+    readings_.set_time_offset_s(time_offset_s);
+  }
+}
+
+void InertialNavigation::ForgetBefore(int64_t time_ns) {
+  // The time offset may move by so much.
+  constexpr int64_t kMarginNs = 200'000'000;
+  readings_.ForgetBefore(options_.estimate_time_offset ? time_ns - kMarginNs : time_ns);
 }
 
 bool InertialNavigation::Sensor::Watch(double of_frame) {
@@ -55,7 +74,15 @@ void InertialNavigation::SetNoise() {
   readings_.set_noise(noise);
 }
 
+void InertialNavigation::WatchClock(const StampedPose& world_from_body, bool has_inertia) {
+  if (!options_.estimate_time_offset) {
+    clock_.SetHasInertia(has_inertia);
+    clock_.Add(world_from_body, readings_);
+  }
+}
+
 void InertialNavigation::Restart() {
+  clock_.Break();
   frames_.clear();
   why_waiting_ = "no frames";
 }
@@ -69,7 +96,7 @@ std::optional<InertialStart> InertialNavigation::Try(const StampedPose& world_fr
          SecondsBetween(frames_.front().timestamp_ns, now_ns) > kLongestS) {
     frames_.erase(frames_.begin());
   }
-  readings_.ForgetBefore(frames_.front().timestamp_ns);
+  ForgetBefore(frames_.front().timestamp_ns);
   std::optional<InertialStart> start = TryAtRest();
   const bool is_at_rest = start.has_value();
   constexpr double kEveryS = 0.5;
@@ -116,6 +143,8 @@ std::optional<InertialStart> InertialNavigation::TryAtRest() {
     why_waiting_ = start.refused;
     return std::nullopt;
   }
+  // Rest tells nothing of it.
+  start.time_offset_sigma_s = options_.start.time_offset_sigma_s;
   return start;
 }
 
@@ -145,6 +174,9 @@ std::optional<InertialStart> InertialNavigation::TryInMotion() {
     if (start.refused.empty()) {
       accelerometer_.factor = factor;
       SetNoise();
+      if (options_.estimate_time_offset) {
+        readings_.set_time_offset_s(readings_.time_offset_s() + start.time_offset_s);
+      }
       return start;
     }
     const GyroscopeCheck check = CheckGyroscope(frames, readings_.samples());

@@ -109,6 +109,9 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   }
   TrackedFrame at_rest = tracked;
   if (pose) {
+    if (navigation_) {
+      navigation_->WatchClock({frame.timestamp_ns, pose->world_from_body}, window_->has_inertia());
+    }
     Judge(at_rest, *pose, result);
   } else {
     pose = Bridge(tracked);

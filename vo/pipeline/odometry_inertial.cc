@@ -105,6 +105,9 @@ void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
       navigation_->Watch(misfit.gyroscope, misfit.accelerometer);
       result.inertial = DescribeInertia();
     }
+    if (window_->time_offset_s()) {
+      navigation_->FollowTimeOffset(*window_->time_offset_s(), window_->time_offset_sigma_s());
+    }
     navigation_->ForgetBefore(window_->oldest_timestamp_ns());
   } else if (const auto start = navigation_->Try({result.timestamp_ns, result.world_from_body})) {
     window_->StartInertia(*start, navigation_->readings());
@@ -127,7 +130,9 @@ InertialEstimate Odometry::DescribeInertia() const {
           .gyroscope_bias_sigma = sigma(3),
           .accelerometer_bias_sigma = sigma(6),
           .gyroscope_rms = std::sqrt(misfit.gyroscope),
-          .accelerometer_rms = std::sqrt(misfit.accelerometer)};
+          .accelerometer_rms = std::sqrt(misfit.accelerometer),
+          .time_offset_s = window_->time_offset_s(),
+          .time_offset_sigma_s = window_->time_offset_sigma_s()};
 }
 
 }  // namespace gluevo::vo

@@ -112,6 +112,34 @@ vo::Rigid3 FastYaw(double time_s) {
           position};
 }
 
+// What does not move all an inertial unit needs: such motions must do no harm.
+
+vo::Rigid3 Rest(double /*time_s*/) {
+  return {LookAlong(Direction(0.3, 0.05), 0.04), {0.0, 0.0, 1.4}};
+}
+
+/// Straight on at half a metre a second, before 0, too: nothing turns, nothing gets faster.
+vo::Rigid3 Straight(double time_s) {
+  constexpr double kSpeed = 0.5;
+  return {LookAlong(Direction(0.1, 0.03), 0.02), {kSpeed * time_s, 0.0, 1.4}};
+}
+
+/// Turning about the body's own place, at 0.2 to 0.8 radians a second about the vertical.
+vo::Rigid3 Spin(double time_s) {
+  const double time = EasedTime(time_s, 2.0);
+  const double yaw = 0.5 * time + 0.3 * std::sin(time);
+  return {LookAlong(Direction(yaw, 0.1 * std::sin(0.7 * time)), 0.0), {0.0, 0.0, 1.5}};
+}
+
+/// A car's: level, in a plane, turning about the vertical alone.
+vo::Rigid3 Planar(double time_s) {
+  constexpr double kLapS = 20.0;
+  constexpr double kRampS = 2.0;
+  const double phase = 2.0 * kPi * EasedTime(time_s, kRampS) / (kLapS - 0.5 * kRampS);
+  const double yaw = std::atan2(2.2 * std::cos(phase), -3.4 * std::sin(phase));
+  return {LookAlong(Direction(yaw, 0.0), 0.0), {3.4 * std::cos(phase), 2.2 * std::sin(phase), 1.2}};
+}
+
 struct NamedPath {
   const char* name;
   vo::Rigid3 (*path)(double);
@@ -124,7 +152,11 @@ constexpr std::array kNamedPaths = {NamedPath{"hall_loop", HallLoop, 2.6, 19.0, 
                                     NamedPath{"figure_eight", FigureEight, 2.6, 19.0, 20.0},
                                     NamedPath{"corridor", Corridor, 1.3, 20.0, 21.0},
                                     NamedPath{"hover", Hover, 3.0, 0.0, 0.0},
-                                    NamedPath{"fast_yaw", FastYaw, 3.0, 0.0, 0.0}};
+                                    NamedPath{"fast_yaw", FastYaw, 3.0, 0.0, 0.0},
+                                    NamedPath{"rest", Rest, 3.0, 0.0, 0.0},
+                                    NamedPath{"straight", Straight, 3.0, 0.0, 0.0},
+                                    NamedPath{"spin", Spin, 3.0, 0.0, 0.0},
+                                    NamedPath{"planar", Planar, 2.6, 19.0, 20.0}};
 
 const NamedPath& Find(const std::string& name) {
   std::string known;

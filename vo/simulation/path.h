@@ -9,7 +9,8 @@
 namespace gluevo::simulation {
 
 /// world_from_body at a time in seconds after the start; smooth (three times differentiable), at
-/// rest before 0. The world's z points up. The body is EuRoC's: x up, y right, z forward.
+/// rest before 0 but for "straight". The world's z points up. The body is EuRoC's: x up, y right, z
+/// forward.
 using SimulationPath = std::function<vo::Rigid3(double)>;
 
 /// Throws Error listing the known names for an unknown one.

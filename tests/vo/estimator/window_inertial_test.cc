@@ -6,7 +6,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
 
 #include "inertial_scene.h"
 #include "window_motions.h"
@@ -48,6 +52,9 @@ WindowState Moved(const WindowState& state, const WindowColumns& columns, int co
     moved.turn += delta.segment<3>(columns.Turn());
   }
   moved.gravity_turn += delta.segment<2>(columns.Gravity());
+  if (columns.has_time_offset) {
+    *moved.time_offset_s += delta[columns.TimeOffset()];
+  }
   return moved;
 }
 
@@ -58,7 +65,8 @@ Eigen::VectorXd Residuals(const WindowProblem& problem, const WindowState& state
   for (std::size_t i = 0; i < problem.measured.size(); ++i) {
     all.segment<kInertialTangentSize>(kInertialTangentSize * static_cast<Eigen::Index>(i)) =
         Whitened(*problem.measured[i], StateOf(state.world_from_body[i], state.motions[i]),
-                 StateOf(state.world_from_body[i + 1], state.motions[i + 1]), gravity)
+                 StateOf(state.world_from_body[i + 1], state.motions[i + 1]), gravity,
+                 state.time_offset_s)
             .value;
   }
   return all;
@@ -68,13 +76,16 @@ TEST(WindowInertialTest, EquationsAreThoseOfNumericDerivatives) {
   const InertialScene scene({});
   WindowProblem problem = scene.Problem(1);
   problem.gravity.turn = {0.1, -0.15};
-  const WindowState state = StateOfProblem(problem);
-  for (const bool has_turn : {false, true}) {
+  for (const auto& [has_turn, has_time_offset] :
+       {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
+    problem.time_offset_s = has_time_offset ? std::optional(0.002) : std::nullopt;
+    const WindowState state = StateOfProblem(problem);
     WindowSystem system;
     system.Reset({.frames = InertialScene::kFrames,
                   .fixed_frames = 1,
                   .has_turn = has_turn,
-                  .has_inertia = true});
+                  .has_inertia = true,
+                  .has_time_offset = has_time_offset});
     AddInertial(problem, state, system);
     const Eigen::VectorXd residuals = Residuals(problem, state);
     EXPECT_NEAR(system.cost, 0.5 * residuals.squaredNorm(), 1e-9 * system.cost);
@@ -120,6 +131,36 @@ TEST(WindowInertialTest, FindsVelocitiesBiasesAndGravity) {
     EXPECT_LT((motion.bias.gyroscope - kSceneBias.gyroscope).norm(), 1e-4) << i;
     EXPECT_LT((motion.bias.accelerometer - kSceneBias.accelerometer).norm(), 0.01) << i;
   }
+}
+
+// Readings that are stamped 4 ms late; twice, since derivatives are of first order.
+TEST(WindowInertialTest, FindsTheTimeOffset) {
+  const InertialScene scene(kSceneBias);
+  constexpr double kLateS = 0.004;
+  std::vector<ImuSample> late = scene.readings.samples();
+  for (ImuSample& sample : late) {
+    sample.timestamp_ns += std::llround(1e9 * kLateS);
+  }
+  ImuReadings readings{ImuNoise()};
+  readings.Add(late);
+  double found_s = 0.0;
+  for (int i = 0; i < 2; ++i) {
+    readings.set_time_offset_s(found_s);
+    std::vector<InertialFactor> factors;
+    for (int frame = 0; frame + 1 < InertialScene::kFrames; ++frame) {
+      factors.push_back(MakeInertialFactor(readings.Between(
+          InertialScene::TimeOf(frame), InertialScene::TimeOf(frame + 1), kSceneBias)));
+    }
+    WindowProblem problem = scene.Problem(2);
+    for (std::size_t frame = 0; frame < factors.size(); ++frame) {
+      problem.measured[frame] = &factors[frame];
+    }
+    problem.time_offset_s = found_s;
+    WindowSolver solver;
+    ASSERT_TRUE(solver.Solve(problem, {.max_iterations = 30, .least_decrease = 1e-12}));
+    found_s = *problem.time_offset_s;
+  }
+  EXPECT_NEAR(found_s, kLateS, 5e-5);
 }
 
 // With views of the first frame alone the readings lead on.
@@ -346,7 +387,8 @@ TEST(WindowInertialTest, FirstEstimatesLeavePlaceAndTurnOfTheWorldFree) {
     const Eigen::VectorXd delta = linearization.Delta(
         {present[0].world_from_body, present[1].world_from_body}, linearization.body_from_right,
         {motion_of(present[0]), motion_of(present[1])}, gravity.turn);
-    AddMeasured(scene.factors[static_cast<std::size_t>(i)], present, gravity, delta, marginalizer);
+    AddMeasured(scene.factors[static_cast<std::size_t>(i)], present, gravity, std::nullopt, delta,
+                marginalizer);
     marginalizer.Add(SeenMotion(linearization), Eigen::VectorXd::Zero(12), delta);
     prior = marginalizer.Eliminate(i);
   }

@@ -37,6 +37,29 @@ TEST(ImuReadingsTest, MeasureAsIfAllSamplesWereGiven) {
   expect_same(19 * kSecondNs + 1, 20 * kSecondNs);
 }
 
+TEST(ImuReadingsTest, AnswerInTheImagesClock) {
+  const InertialFlight flight(3, {}, false, 4);
+  constexpr int64_t kLateNs = 7'000'000;
+  std::vector<ImuSample> late = flight.samples;
+  for (ImuSample& sample : late) {
+    sample.timestamp_ns += kLateNs;
+  }
+  ImuReadings readings({});
+  readings.Add(std::span(late).first(300));
+  readings.set_time_offset_s(0.003);
+  readings.set_time_offset_s(0.007);
+  readings.Add(std::span(late).subspan(300));
+  EXPECT_EQ(readings.samples().front().timestamp_ns, 0);
+  EXPECT_EQ(readings.samples().back().timestamp_ns, flight.samples.back().timestamp_ns);
+  const Preintegration one = readings.Between(kSecondNs, 2 * kSecondNs, {});
+  const Preintegration other = Preintegrate(flight.samples, kSecondNs, 2 * kSecondNs, {}, {});
+  EXPECT_EQ(one.motion.position, other.motion.position);
+  EXPECT_EQ(one.time_offset_s, 0.007);
+  // Stamps are those of the unit.
+  EXPECT_NE(MessageOf([&] { readings.Add(std::span(late).last(1)); }).find("3007000000 ns"),
+            std::string::npos);
+}
+
 TEST(ImuReadingsTest, AGapSaysHowFarTheBiasesMayHaveWalked) {
   const InertialFlight flight(3, {}, false, 3);
   std::vector<ImuSample> samples = flight.samples;

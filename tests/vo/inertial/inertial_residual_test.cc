@@ -61,6 +61,22 @@ TEST(InertialResidualTest, DerivativesAreTheNumericOnes) {
   }
 }
 
+TEST(InertialResidualTest, DerivativeByTheTimeOffsetIsTheNumericOne) {
+  const Case one = MakeCase();
+  const auto at = [&](double shift_s) {
+    return ComputeInertialResidual(one.first, one.second, one.measured, one.gravity, shift_s);
+  };
+  constexpr double kStep = 1e-6;
+  for (const double shift_s : {0.0, 0.02}) {
+    const InertialVector numeric =
+        (at(shift_s + kStep).value - at(shift_s - kStep).value) / (2.0 * kStep);
+    const InertialVector analytic = at(shift_s).by_shift;
+    ASSERT_GT(analytic.segment<3>(inertial_block::kRotation).norm(), 0.05);
+    EXPECT_LT((analytic - numeric).norm(), 1e-6 * analytic.norm())
+        << analytic.transpose() << " is not " << numeric.transpose();
+  }
+}
+
 TEST(InertialResidualTest, IsZeroWhereThePredictionLeads) {
   const Case one = MakeCase();
   const InertialState second = Predict(one.first, one.measured, one.gravity);

@@ -36,6 +36,21 @@ TEST(PreintegrationJoinTest, IsTheSameAsIntegratingOverBoth) {
   }
 }
 
+TEST(PreintegrationJoinTest, MovesAlongTheReadingsAsTheWhole) {
+  const InertialFlight flight(2, {}, /*is_ideal=*/false, 24);
+  const Preintegration whole = Preintegrate(flight.samples, 0, kEndNs, {}, {});
+  const Preintegration first = Preintegrate(flight.samples, 0, kMiddleNs, {}, {});
+  Preintegration second = Preintegrate(flight.samples, kMiddleNs, kEndNs, {}, {});
+  const Preintegration joined = Join(first, second);
+  EXPECT_LT((joined.by_time_offset - whole.by_time_offset).norm(),
+            1e-9 * whole.by_time_offset.norm());
+  // One that was integrated with another time offset is brought to the first one's.
+  constexpr double kShiftS = 5e-4;
+  second.motion = second.At({}, kShiftS);
+  second.time_offset_s = kShiftS;
+  EXPECT_LT(Difference(Join(first, second).motion, joined.motion), 1e-12);
+}
+
 TEST(PreintegrationJoinTest, ThreeMakeOneInAnyOrder) {
   const InertialFlight flight(2, {}, false, 22);
   const auto between = [&](int64_t begin, int64_t end) {

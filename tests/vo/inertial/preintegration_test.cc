@@ -101,6 +101,31 @@ TEST(PreintegrationTest, AnotherBiasNeedsNoNewIntegrationWhileItIsNear) {
   EXPECT_LT(error.segment<3>(kPosition).norm(), 1e-3);
 }
 
+// Of the same samples, between times that are a little later.
+TEST(PreintegrationTest, KnowsHowItMovesAlongTheReadings) {
+  const InertialFlight flight(2, {}, /*is_ideal=*/true, 7);
+  const ImuBias bias = {{0.01, -0.02, 0.015}, {0.05, 0.1, -0.08}};
+  constexpr int64_t kBegin = 502'000'000;
+  const auto later_by = [&](int64_t step_ns) {
+    return Preintegrate(flight.samples, kBegin + step_ns, kBegin + kHalfSecondNs + step_ns, bias,
+                        {});
+  };
+  const Preintegration measured = later_by(0);
+  constexpr int64_t kStepNs = 500'000;
+  const Eigen::Matrix<double, 9, 1> numeric =
+      Difference(later_by(kStepNs).motion, later_by(-kStepNs).motion) / (2e-9 * kStepNs);
+  for (const int block : {kPosition, kRotation, inertial_block::kVelocity}) {
+    EXPECT_LT((measured.by_time_offset.segment<3>(block) - numeric.segment<3>(block)).norm(),
+              2e-3 * numeric.segment<3>(block).norm())
+        << block;
+  }
+  const Eigen::Matrix<double, 9, 1> error =
+      Difference(measured.At(bias, 1e-9 * kStepNs), later_by(kStepNs).motion);
+  EXPECT_LT(error.segment<3>(kRotation).norm(), 1e-5);
+  EXPECT_LT(error.segment<3>(kPosition).norm(), 1e-4);
+  EXPECT_EQ(measured.At(bias, 0.0).position, measured.At(bias).position);
+}
+
 TEST(PreintegrationTest, SplitIntervalsMakeTheWholeOne) {
   const InertialFlight flight(2, {}, /*is_ideal=*/false, 5);
   const int64_t middle = 402'000'000;  // Between samples.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <random>
@@ -263,6 +264,61 @@ TEST(InertialOdometryTest, WaitsWhereItMustNotStart) {
   for (std::size_t i = 0; i < frames.size(); ++i) {
     EXPECT_EQ(results[i].world_from_body.translation, alone[i].world_from_body.translation);
     EXPECT_FALSE(results[i].inertial);
+  }
+}
+
+struct Clocks {
+  std::vector<FrameResult> results;
+  std::string fault;
+};
+
+// Readings that are stamped so much too late.
+Clocks RunLate(const Flown& flown, const std::vector<TrackedFrame>& frames, double late_s,
+               bool estimates) {
+  std::vector<ImuSample> samples = flown.flight.samples;
+  for (ImuSample& sample : samples) {
+    sample.timestamp_ns += std::llround(1e9 * late_s);
+  }
+  OdometryOptions options;
+  options.inertial.estimate_time_offset = estimates;
+  Odometry odometry(testing::SimulatedRig(), std::make_unique<testing::ScriptedFrontEnd>(frames),
+                    options);
+  odometry.UseImu(ImuNoise());
+  odometry.AddImu(samples);
+  Clocks clocks{Fly(odometry, frames), ""};
+  clocks.fault = odometry.inertial()->clock().Fault();
+  return clocks;
+}
+
+TEST(InertialOdometryTest, FindsHowFarTheClocksAreApart) {
+  const Flown flown(1);
+  const std::vector<TrackedFrame> frames = flown.Frames(120);
+  const double in_time = flown.MeanError(RunLate(flown, frames, 0.0, false).results);
+  for (const double late_s : {-0.02, -0.005, 0.005, 0.02}) {
+    const Clocks clocks = RunLate(flown, frames, late_s, /*estimates=*/true);
+    ASSERT_TRUE(clocks.results.back().inertial) << late_s;
+    const InertialEstimate& last = *clocks.results.back().inertial;
+    ASSERT_TRUE(last.time_offset_s);
+    EXPECT_NEAR(*last.time_offset_s, late_s, 5e-4);
+    EXPECT_GT(last.time_offset_sigma_s, 1e-6);
+    EXPECT_LT(last.time_offset_sigma_s, 5e-4);
+    EXPECT_LT(flown.MeanError(clocks.results), 1.2 * in_time) << late_s;
+    EXPECT_EQ(clocks.fault, "");
+  }
+}
+
+TEST(InertialOdometryTest, SaysThatTheClocksAreApart) {
+  const Flown flown(2);
+  const std::vector<TrackedFrame> frames = flown.Frames(120);
+  for (const double late_s : {-0.02, -0.006, 0.006, 0.02}) {
+    const Clocks clocks = RunLate(flown, frames, late_s, /*estimates=*/false);
+    EXPECT_NE(clocks.fault.find(late_s > 0.0 ? "too late" : "too early"), std::string::npos)
+        << clocks.fault;
+  }
+  for (const double late_s : {-0.001, 0.0, 0.001}) {
+    const Clocks clocks = RunLate(flown, frames, late_s, /*estimates=*/false);
+    EXPECT_EQ(clocks.fault, "");
+    EXPECT_FALSE(clocks.results.back().inertial->time_offset_s);
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "gluevo/vo/core/imu.h"
 
@@ -20,6 +21,10 @@ struct InertialEstimate {
   /// in use: rotation and the gyroscope's bias; position, velocity and the accelerometer's bias.
   double gyroscope_rms = 0.0;
   double accelerometer_rms = 0.0;
+  /// Of the clocks, seconds: a reading that its unit stamps with t was taken at t less this in the
+  /// images' clock. Nothing where it is not estimated. And its standard deviation.
+  std::optional<double> time_offset_s = std::nullopt;
+  double time_offset_sigma_s = 0.0;
 };
 
 }  // namespace gluevo::vo

@@ -19,7 +19,7 @@ namespace gluevo::vo {
 /// Gaussian, kept as the residual r0 + J dx, where dx is the distance from the linearisation point
 /// (Leutenegger et al. 2015, section 3.4; Qin et al. 2018, section VI-D). The columns of J are the
 /// frames', a PoseTangent each, then the turn's (reprojection_factors.h); with an inertial unit
-/// then those of motions and of gravity's turn.
+/// then those of motions, of gravity's turn and of the time offset.
 ///
 /// The linearisation point of a pose is its estimate when it first came into a prior, and stays:
 /// were derivatives of one pose taken at two places, their sum would claim to know where the rig
@@ -41,13 +41,16 @@ struct PosePrior {
   std::vector<VelocityAndBias> motions = {};
   /// GravityEstimate::turn, radians; nothing without an inertial unit.
   std::optional<Eigen::Vector2d> gravity_turn = std::nullopt;
+  /// That of ImuReadings, seconds; nothing where it is not estimated.
+  std::optional<double> time_offset_s = std::nullopt;
 
   Eigen::Index TurnColumn() const { return kPose * static_cast<Eigen::Index>(frame_ids.size()); }
   Eigen::Index MotionColumn(std::size_t motion) const {
     return TurnColumn() + kTurn + kMotion * static_cast<Eigen::Index>(motion);
   }
   Eigen::Index GravityColumn() const { return MotionColumn(motions.size()); }
-  Eigen::Index Columns() const { return GravityColumn() + (gravity_turn ? kGravity : 0); }
+  Eigen::Index TimeOffsetColumn() const { return GravityColumn() + (gravity_turn ? kGravity : 0); }
+  Eigen::Index Columns() const { return TimeOffsetColumn() + (time_offset_s ? 1 : 0); }
 
   /// Index of a frame in frame_ids, nothing where it has no column.
   std::optional<std::size_t> Find(int64_t frame_id) const;
@@ -56,7 +59,8 @@ struct PosePrior {
   Eigen::VectorXd Delta(const std::vector<Rigid3>& world_from_body,
                         const Eigen::Quaterniond& body_from_right,
                         const std::vector<VelocityAndBias>& motions = {},
-                        const Eigen::Vector2d& gravity_turn = Eigen::Vector2d::Zero()) const;
+                        const Eigen::Vector2d& gravity_turn = Eigen::Vector2d::Zero(),
+                        const std::optional<double>& time_offset_s = std::nullopt) const;
 };
 
 /// The prior on the other poses when one of its frames is eliminated.
@@ -71,7 +75,8 @@ Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
 /// poses are eliminated.
 class Marginalizer {
  public:
-  /// All that measurements speak of (poses, the right camera's orientation, motions, gravity), at
+  /// All that measurements speak of (poses, the right camera's orientation, motions, gravity, time
+  /// offset), at
   /// the linearisation point. Rows that there are do not count.
   explicit Marginalizer(PosePrior linearization);
   const PosePrior& linearization() const { return state_; }
@@ -87,7 +92,7 @@ class Marginalizer {
 
   /// The prior on what remains when `frame_id` is eliminated, with its motion.
   PosePrior Eliminate(int64_t frame_id) const;
-  /// Likewise when all motions and gravity are.
+  /// Likewise when all motions, gravity and the time offset are.
   PosePrior EliminateInertia() const;
   /// The prior on all.
   PosePrior Keep() const;

@@ -90,7 +90,9 @@ class SlidingWindow {
   /// From here on the readings of an inertial unit, whose frame is the body's, count, too. `start`
   /// is of the window's world; its covariance is taken for four times as large, since the readings
   /// between the window's frames may be in it already. `readings` must outlive the window; they
-  /// have to reach to each frame before that is added. The window must not be empty.
+  /// have to reach to each frame before that is added. Where the start knows of a time offset, it
+  /// is estimated further, from that of the readings on: they should follow it (time_offset_s()).
+  /// The window must not be empty.
   void StartInertia(const InertialStart& start, const ImuReadings& readings);
   /// The readings count no more; what they said of poses that left the window stays.
   void StopInertia();
@@ -98,6 +100,10 @@ class SlidingWindow {
   /// The newest frame's, and gravity, with an inertial unit.
   InertialState state() const;
   Eigen::Vector3d gravity_in_world() const { return gravity_.InWorld(); }
+  /// That of ImuReadings, seconds; nothing where it is not estimated.
+  const std::optional<double>& time_offset_s() const { return time_offset_s_; }
+  /// One standard deviation, seconds, after MotionSinceKeyframe(); 0 where it is not estimated.
+  double time_offset_sigma_s() const { return time_offset_sigma_s_; }
   /// How well velocity, biases (VelocityAndBias) and gravity's direction (radians, two) are known,
   /// after MotionSinceKeyframe().
   using InertialCovariance = Eigen::Matrix<double, 11, 11>;
@@ -185,6 +191,8 @@ class SlidingWindow {
   }
   /// Measures from frame to frame, and predicts the velocity of the second one.
   void Measure(const Frame& first, Frame& second) const;
+  /// Whether it errs by more than the sensors do, and the readings have a better one.
+  bool IsTimeOffsetFar(const Preintegration& measured) const;
   void JoinAcross(std::size_t index);
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
@@ -198,6 +206,8 @@ class SlidingWindow {
   std::optional<PosePrior> prior_;
   const ImuReadings* readings_ = nullptr;  // Of the inertial unit once it has started.
   GravityEstimate gravity_;
+  std::optional<double> time_offset_s_;
+  double time_offset_sigma_s_ = 0.0;
   ViewsNoise views_noise_;
   std::optional<InertialCovariance> inertial_covariance_;
   std::unique_ptr<Workspace> workspace_;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "gluevo/vo/inertial/inertial_residual.h"
 #include "gluevo/vo/inertial/preintegration.h"
@@ -29,14 +30,19 @@ struct WhitenedInertialResidual {
   InertialMatrix by_second;
   /// By the turn of gravity (TurnedGravity), radians.
   Eigen::Matrix<double, kInertialTangentSize, 2> by_gravity;
+  InertialVector by_time_offset;  ///< A second.
 
   /// Half the sum of squares.
   double Cost() const { return 0.5 * value.squaredNorm(); }
 };
 
+/// `time_offset_s`: that of ImuReadings; nothing where it is not estimated.
 WhitenedInertialResidual Whitened(const InertialFactor& factor, const InertialState& first,
                                   const InertialState& second,
-                                  const Eigen::Vector3d& gravity_in_world);
+                                  const Eigen::Vector3d& gravity_in_world,
+                                  const std::optional<double>& time_offset_s = std::nullopt);
+/// Of the measurement's own time offset, seconds; zero where it is not estimated.
+double ShiftTo(const std::optional<double>& time_offset_s, const Preintegration& measured);
 
 /// The value at the present states with derivatives at those where they came into the prior
 /// (first-estimates Jacobians, Huang et al. 2010): were derivatives by one state taken at two

@@ -36,13 +36,16 @@ struct InertialResidual {
   InertialMatrix by_first;                                    ///< Derivative by Plus(first, delta).
   InertialMatrix by_second;                                   ///< By Plus(second, delta).
   Eigen::Matrix<double, kInertialTangentSize, 3> by_gravity;  ///< By gravity_in_world.
+  InertialVector by_shift;                                    ///< By shift_s.
 };
 
 /// `gravity_in_world`: m/s^2, downwards. The residual is not whitened: its covariance is
-/// `measured.covariance`.
+/// `measured.covariance`. `shift_s`: by how much the time offset is larger than that of `measured`,
+/// seconds.
 InertialResidual ComputeInertialResidual(const InertialState& first, const InertialState& second,
                                          const Preintegration& measured,
-                                         const Eigen::Vector3d& gravity_in_world);
+                                         const Eigen::Vector3d& gravity_in_world,
+                                         double shift_s = 0.0);
 
 /// Where the first state leads.
 InertialState Predict(const InertialState& first, const Preintegration& measured,

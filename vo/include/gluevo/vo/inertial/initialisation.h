@@ -23,6 +23,9 @@ struct InitialisationOptions {
   /// accelerometer's cannot be told from a tilt: this alone then limits how well gravity is known.
   double gyroscope_bias_sigma = 0.1;
   double accelerometer_bias_sigma = 0.2;
+  /// What is known of the time offset of ImuReadings beforehand, seconds: that it is zero within
+  /// this. 0: it is not estimated.
+  double time_offset_sigma_s = 0.0;
 
   /// What a start needs: this long, ...
   double least_duration_s = 1.0;
@@ -42,6 +45,10 @@ struct InertialStart {
   ImuBias bias;
   Eigen::Vector3d gravity_in_world = Eigen::Vector3d::Zero();  ///< m/s^2, downwards.
   std::vector<Eigen::Vector3d> velocities_in_world;            ///< m/s, one a frame.
+
+  /// On top of that of the samples, and its standard deviation; zeros where it is not estimated.
+  double time_offset_s = 0.0;
+  double time_offset_sigma_s = 0.0;
 
   /// Of the gyroscope's and the accelerometer's bias, rad/s and m/s^2, and of gravity's direction
   /// (GravityTangent), radians: a tilt and a bias that make up for each other are known together.

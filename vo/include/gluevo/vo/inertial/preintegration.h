@@ -38,12 +38,20 @@ struct Preintegration {
   /// Derivatives of `motion` (rows as inertial errors, the first nine) by the gyroscope's and the
   /// accelerometer's bias.
   Eigen::Matrix<double, 9, 6> by_bias = Eigen::Matrix<double, 9, 6>::Zero();
+  /// Derivative of `motion` by the time offset of ImuReadings, 1/s: by how both ends of the
+  /// interval move along the readings.
+  Eigen::Matrix<double, 9, 1> by_time_offset = Eigen::Matrix<double, 9, 1>::Zero();
+  double time_offset_s = 0.0;  ///< That `motion` was integrated with, see ImuReadings.
   /// Of the error of `motion` and of the biases' walk up to the second time; positive definite.
   InertialMatrix covariance = InertialMatrix::Zero();
 
   /// The motion for another bias, to first order: good to 1e-4 rad and 1e-3 m where the bias is
   /// within 0.01 rad/s and 0.1 m/s^2 of that of the integration, for a second.
   InertialMotion At(const ImuBias& other) const;
+  /// Likewise for a time offset that is `shift_s` larger than that of the integration: good to
+  /// 1e-5 rad and 1e-4 m within 0.5 ms, for flights' accelerations. A shift of zero changes
+  /// nothing.
+  InertialMotion At(const ImuBias& other, double shift_s) const;
 };
 
 /// Integrates from begin_ns to end_ns samples in order of time, of which one is at or before the
@@ -58,7 +66,8 @@ Preintegration AcrossGap(double duration_s, const ImuBias& bias, const ImuNoise&
 
 /// One measurement of two that follow each other, as where the frame between them is dropped: the
 /// same as integrating over both, to rounding where both were integrated with the same bias. Else
-/// the second is brought to the first one's bias, to first order (Preintegration::At).
+/// the second is brought to the first one's bias and time offset, to first order
+/// (Preintegration::At).
 Preintegration Join(const Preintegration& first, const Preintegration& second);
 
 }  // namespace gluevo::vo

@@ -7,6 +7,7 @@
 
 #include "gluevo/vo/core/imu.h"
 #include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/inertial/clock_watch.h"
 #include "gluevo/vo/inertial/imu_readings.h"
 #include "gluevo/vo/inertial/initialisation.h"
 #include "gluevo/vo/pipeline/inertial_options.h"
@@ -30,7 +31,7 @@ class InertialNavigation {
   /// As ImuReadings::Add.
   void Add(std::span<const ImuSample> samples) { readings_.Add(samples); }
   const ImuReadings& readings() const { return readings_; }
-  void ForgetBefore(int64_t time_ns) { readings_.ForgetBefore(time_ns); }
+  void ForgetBefore(int64_t time_ns);
 
   /// A frame that was located, while the unit has not started: a start that the frames so far bear
   /// out.
@@ -41,6 +42,15 @@ class InertialNavigation {
   /// started. Motors that shake the unit make readings worse than its calibration says: noise is
   /// raised until they are as good as it says.
   void Watch(double gyroscope_mean_square, double accelerometer_mean_square);
+
+  /// What is known by now of the time offset, where it is estimated: the readings follow it, and so
+  /// does a start after a loss.
+  void FollowTimeOffset(double time_offset_s, double sigma_s);
+
+  /// A frame as the images alone show it (ClockWatch::Add), in a map in which the readings have a
+  /// say or not.
+  void WatchClock(const StampedPose& world_from_body, bool has_inertia);
+  const ClockWatch& clock() const { return clock_; }
 
   /// The first start.
   const std::optional<InertialBegin>& begin() const { return begin_; }
@@ -72,6 +82,7 @@ class InertialNavigation {
   Trajectory frames_;  // Located ones, of the last seconds.
   int64_t tried_ns_ = 0;
   Sensor gyroscope_, accelerometer_;
+  ClockWatch clock_;
   std::optional<InertialBegin> begin_;
   std::string why_waiting_ = "no frames";
 };

@@ -16,6 +16,10 @@ struct InertialOptions {
   /// Until this time since the last located frame such frames are passed over: the next one may
   /// show more of what was seen before. In place of OdometryOptions::max_predicted_s, seconds.
   double bridge_after_s = 0.3;
+  /// Whether the time offset between the clocks of images and readings (see ImuReadings) is
+  /// estimated, and what is known of it beforehand: that it is zero within this, seconds.
+  bool estimate_time_offset = false;
+  double time_offset_sigma_s = 0.01;
 
   /// Throws Error naming the option.
   void Validate() const;
