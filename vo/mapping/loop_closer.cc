@@ -13,6 +13,12 @@
 namespace gluevo::vo {
 namespace {
 
+// Standard deviations from which on errors of loops and of odometry's motions count less. A loop
+// that is trusted has been verified both ways; a motion between frames far apart is the likelier to
+// be wrong.
+constexpr double kLoopLoss = 8.0;
+constexpr double kOdometryLoss = 4.0;
+
 // What no estimate is better than: a tenth of a millimetre, a hundredth of a milliradian.
 PoseCovariance WithFloor(const PoseCovariance& covariance) {
   PoseCovariance floored = covariance;
@@ -27,12 +33,13 @@ std::vector<PoseGraphEdge> Edges(const std::vector<LoopKeyframe>& keyframes,
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
     if (keyframes[i].segment == keyframes[i - 1].segment) {
       const LoopMeasurement odometry = OdometryBetween(keyframes, i - 1, i);
-      edges.push_back({i - 1, i, odometry.candidate_from_query, WithFloor(odometry.covariance)});
+      edges.push_back(
+          {i - 1, i, odometry.candidate_from_query, WithFloor(odometry.covariance), kOdometryLoss});
     }
   }
   for (const Loop& loop : loops) {
     edges.push_back({loop.candidate, loop.query, loop.measurement.candidate_from_query,
-                     WithFloor(loop.measurement.covariance), /*is_robust=*/true});
+                     WithFloor(loop.measurement.covariance), kLoopLoss});
   }
   return edges;
 }
@@ -93,9 +100,10 @@ std::vector<LoopCloser::Candidate> LoopCloser::FindCandidates() const {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const auto& x, const auto& y) { return x.similarity > y.similarity; });
   candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.max_candidates)));
-  // Where tracking was lost the last place is the likeliest, whatever it looks like.
+  // Where tracking was lost, or nearly so, the last place is the likeliest, whatever it looks like.
   const std::size_t last = keyframes_.size() - 2;
-  if (keyframes_.size() > loaded_ + 1 && keyframes_[last].segment != query.segment) {
+  if (keyframes_.size() > loaded_ + 1 &&
+      (keyframes_[last].segment != query.segment || IsDoubtful(query.motion_covariance))) {
     std::erase_if(candidates, [&](const Candidate& other) { return other.keyframe == last; });
     candidates.insert(candidates.begin(), {last, place.dot(places_[last])});
   }

@@ -51,6 +51,19 @@ bool Agree(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyfra
   return SquaredError(around, x.measurement) <= max_error;
 }
 
+// Whether odometry has a say of the motion between them.
+bool IsFollowed(const std::vector<LoopKeyframe>& keyframes, std::size_t a, std::size_t b) {
+  if (keyframes[a].segment != keyframes[b].segment) {
+    return false;
+  }
+  for (std::size_t i = a + 1; i <= b; ++i) {
+    if (IsDoubtful(keyframes[i].motion_covariance)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool LinksTheSameSegments(const Loop& x, const Loop& y,
                           const std::vector<LoopKeyframe>& keyframes) {
   return keyframes[x.candidate].segment == keyframes[y.candidate].segment &&
@@ -80,7 +93,7 @@ LoopMeasurement OdometryBetween(const std::vector<LoopKeyframe>& keyframes, std:
 
 LoopTrust Judge(const Loop& loop, const std::vector<Loop>& others,
                 const std::vector<LoopKeyframe>& keyframes, const LoopConsistencyOptions& options) {
-  if (keyframes[loop.candidate].segment == keyframes[loop.query].segment) {
+  if (IsFollowed(keyframes, loop.candidate, loop.query)) {
     const LoopMeasurement odometry = OdometryBetween(keyframes, loop.candidate, loop.query);
     if (SquaredError(odometry, loop.measurement) <= options.max_error) {
       return LoopTrust::kTrusted;
@@ -89,7 +102,7 @@ LoopTrust Judge(const Loop& loop, const std::vector<Loop>& others,
       return LoopTrust::kImpossible;
     }
   } else if (loop.inliers >= options.strong_inliers) {
-    // A segment may be a single frame, which has no others to agree with.
+    // What a doubt or a loss cuts off may be a single frame, which has no others to agree with.
     return LoopTrust::kTrusted;
   }
   int supporters = 0;

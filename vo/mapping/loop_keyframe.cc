@@ -1,5 +1,6 @@
 #include "gluevo/vo/mapping/loop_keyframe.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -10,11 +11,27 @@
 namespace gluevo::vo {
 namespace {
 
+// Of a doubtful motion, radians and metres.
+constexpr double kDoubtfulTurn = 0.3;
+constexpr double kShortestDoubt = 0.1;
+
 Eigen::Vector2d Ray(const Camera& camera, const nn::Features& features, int i) {
   return camera.Undistort(features.keypoints.row(i).transpose().cast<double>());
 }
 
 }  // namespace
+
+PoseCovariance DoubtfulMotion(const PoseCovariance& covariance, const Rigid3& motion) {
+  const double metres = std::max(kShortestDoubt, motion.translation.norm());
+  PoseCovariance doubtful = covariance;
+  doubtful.diagonal().head<3>().array() += metres * metres;
+  doubtful.diagonal().tail<3>().array() += kDoubtfulTurn * kDoubtfulTurn;
+  return doubtful;
+}
+
+bool IsDoubtful(const PoseCovariance& motion_covariance) {
+  return motion_covariance.diagonal().tail<3>().minCoeff() >= kDoubtfulTurn * kDoubtfulTurn;
+}
 
 std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Features& left,
                                             const nn::Features& right, const nn::Matches& stereo,

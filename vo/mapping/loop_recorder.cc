@@ -39,31 +39,49 @@ void LoopRecorder::Load(const PlaceMap& map, const std::string& map_name) {
   loaded_segments_ = map.keyframes.empty() ? 0 : map.keyframes.back().segment + 1;
 }
 
+bool LoopRecorder::IsLater(int segment, int64_t timestamp_ns) const {
+  return closer_.keyframes().empty() || closer_.keyframes().back().segment != segment ||
+         SecondsBetween(closer_.keyframes().back().timestamp_ns, timestamp_ns) >=
+             options_.interval_s;
+}
+
 bool LoopRecorder::IsToBeKept(const FrameResult& result) const {
-  if (!result.is_keyframe || result.is_predicted) {
-    return false;
-  }
-  if (closer_.keyframes().empty() ||
-      closer_.keyframes().back().segment != loaded_segments_ + result.segment) {
-    return true;
-  }
-  const double seconds =
-      SecondsBetween(closer_.keyframes().back().timestamp_ns, result.timestamp_ns);
-  return seconds >= options_.interval_s;
+  return result.is_keyframe && !result.is_predicted &&
+         IsLater(loaded_segments_ + result.segment, result.timestamp_ns);
 }
 
 void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig) {
   const int segment = loaded_segments_ + result.segment;
   const bool starts_segment = frames_.empty() || frames_.back().segment != segment;
-  frames_.push_back({{result.timestamp_ns, result.world_from_body}, segment});
   if (starts_segment) {
+    for (const Pending& last : pending_) {
+      if (IsLater(segment - 1, last.result.timestamp_ns)) {
+        since_kept_ =
+            Compose(since_kept_, last.result.keyframe_from_body, last.result.motion_covariance);
+        Keep(last.frame, last.result, segment - 1, rig);
+      }
+    }
     since_kept_ = PoseCovariance::Zero();
-  } else if (result.is_keyframe) {
-    since_kept_ = Compose(since_kept_, result.keyframe_from_body, result.motion_covariance);
   }
-  if (!IsToBeKept(result)) {
-    return;
+  if (starts_segment || !result.is_predicted) {
+    pending_.clear();
   }
+  frames_.push_back({{result.timestamp_ns, result.world_from_body}, segment});
+  if (!starts_segment && result.is_keyframe) {
+    since_kept_ = Compose(since_kept_, result.keyframe_from_body,
+                          result.is_doubtful
+                              ? DoubtfulMotion(result.motion_covariance, result.keyframe_from_body)
+                              : result.motion_covariance);
+  }
+  if (result.is_predicted) {
+    pending_.push_back({frame, result});
+  } else if (IsToBeKept(result)) {
+    Keep(frame, result, segment, rig);
+  }
+}
+
+void LoopRecorder::Keep(const StereoFrame& frame, const FrameResult& result, int segment,
+                        const StereoRig& rig) {
   LoopKeyframe keyframe{.timestamp_ns = result.timestamp_ns,
                         .segment = segment,
                         .world_from_body = result.world_from_body,

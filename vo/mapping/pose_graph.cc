@@ -3,16 +3,21 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <deque>
 #include <string>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/geometry/pose_uncertainty.h"
 
 namespace gluevo::vo {
 namespace {
 
-// Standard deviations at which an edge of six degrees of freedom begins to count less.
-constexpr double kCauchy = 4.0;
+// What the scale of losses is divided by from step to step.
+constexpr double kGraduation = 4.0;
+constexpr int kIterations = 50;
 
 // Position, and quaternion as Eigen stores it.
 struct Parameters {
@@ -50,6 +55,23 @@ class EdgeResidual {
   Eigen::Matrix<double, 6, 6> whitening_;
 };
 
+// Cauchy's, of a scale that the graph widens.
+class GraduatedLoss : public ceres::LossFunction {
+ public:
+  GraduatedLoss(double scale, const double& widening) : scale_(scale), widening_(widening) {}
+
+  void Evaluate(double squared_error, double rho[3]) const override {
+    const double limit = scale_ * scale_ * widening_ * widening_;
+    rho[0] = limit * std::log1p(squared_error / limit);
+    rho[1] = limit / (limit + squared_error);
+    rho[2] = -rho[1] / (limit + squared_error);
+  }
+
+ private:
+  double scale_;
+  const double& widening_;
+};
+
 // W with W^T W the inverse of the covariance.
 Eigen::Matrix<double, 6, 6> Whitening(const PoseGraphEdge& edge) {
   const Eigen::LLT<PoseCovariance> cholesky(edge.covariance);
@@ -71,23 +93,55 @@ std::vector<Parameters> ToParameters(const std::vector<Rigid3>& poses) {
   return parameters;
 }
 
+// From a loss that is nearly none to what it is to be.
+void Solve(ceres::Problem& problem, double& widening) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = kIterations;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  for (;; widening = std::max(1.0, widening / kGraduation)) {
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+    if (widening <= 1.0) {
+      return;
+    }
+  }
+}
+
+// By how much the largest error of an edge exceeds the scale of its loss.
+double LargestExcess(const std::vector<PoseGraphEdge>& edges,
+                     const std::vector<Rigid3>& world_from_body) {
+  double largest = 1.0;
+  for (const PoseGraphEdge& edge : edges) {
+    if (edge.loss_scale > 0.0) {
+      const Eigen::Matrix<double, 6, 1> error =
+          ErrorOfPose(edge.a_from_b, world_from_body[edge.a].Inverse() * world_from_body[edge.b]);
+      largest = std::max(largest, (Whitening(edge) * error).norm() / edge.loss_scale);
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 void OptimizePoseGraph(const std::vector<PoseGraphEdge>& edges, const std::vector<bool>& is_fixed,
                        std::vector<Rigid3>& world_from_body) {
   std::vector<Parameters> poses = ToParameters(world_from_body);
+  double widening = LargestExcess(edges, world_from_body);
+  std::deque<GraduatedLoss> losses;
   ceres::EigenQuaternionManifold unit_quaternions;
-  ceres::CauchyLoss robust(kCauchy);
   ceres::Problem::Options problem_options;
   problem_options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
   for (const PoseGraphEdge& edge : edges) {
     using Cost = ceres::AutoDiffCostFunction<EdgeResidual, 6, 3, 4, 3, 4>;
-    problem.AddResidualBlock(new Cost(new EdgeResidual(edge.a_from_b, Whitening(edge))),
-                             edge.is_robust ? &robust : nullptr, poses[edge.a].position.data(),
-                             poses[edge.a].rotation.data(), poses[edge.b].position.data(),
-                             poses[edge.b].rotation.data());
+    ceres::LossFunction* const loss =
+        edge.loss_scale > 0.0 ? &losses.emplace_back(edge.loss_scale, widening) : nullptr;
+    problem.AddResidualBlock(new Cost(new EdgeResidual(edge.a_from_b, Whitening(edge))), loss,
+                             poses[edge.a].position.data(), poses[edge.a].rotation.data(),
+                             poses[edge.b].position.data(), poses[edge.b].rotation.data());
   }
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!problem.HasParameterBlock(poses[i].position.data())) {
@@ -99,13 +153,7 @@ void OptimizePoseGraph(const std::vector<PoseGraphEdge>& edges, const std::vecto
       problem.SetParameterBlockConstant(poses[i].rotation.data());
     }
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = 50;
-  options.num_threads = 1;
-  options.logging_type = ceres::SILENT;
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  Solve(problem, widening);
   for (std::size_t i = 0; i < poses.size(); ++i) {
     world_from_body[i] = {
         Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(poses[i].rotation.data()))

@@ -165,6 +165,24 @@ TEST(LoopConsistency, SegmentsAreJoinedByThreeThatAgree) {
   EXPECT_EQ(Judge(loops[0], {}, keyframes, {}), LoopTrust::kTrusted);
 }
 
+TEST(LoopConsistency, ADoubtfulMotionRulesNothingOut) {
+  auto keyframes = Path(30);
+  const std::vector<Loop> loops = {LoopBetween(keyframes, 1, 27, 20.0),
+                                   LoopBetween(keyframes, 2, 25, 20.0)};
+  Loop loop = LoopBetween(keyframes, 0, 29, 20.0);
+  ASSERT_EQ(Judge(loop, loops, keyframes, {}), LoopTrust::kImpossible);
+  EXPECT_FALSE(IsDoubtful(keyframes[10].motion_covariance));
+  keyframes[10].motion_covariance =
+      DoubtfulMotion(keyframes[10].motion_covariance,
+                     keyframes[9].world_from_body.Inverse() * keyframes[10].world_from_body);
+  EXPECT_TRUE(IsDoubtful(keyframes[10].motion_covariance));
+  // It allows nothing either: who bends the path there needs others, or many points.
+  EXPECT_EQ(Judge(LoopBetween(keyframes, 0, 29, 0.0), {}, keyframes, {}), LoopTrust::kUnsupported);
+  EXPECT_EQ(Judge(loop, {}, keyframes, {}), LoopTrust::kUnsupported);
+  loop.inliers = LoopConsistencyOptions().strong_inliers;
+  EXPECT_EQ(Judge(loop, {}, keyframes, {}), LoopTrust::kTrusted);
+}
+
 TEST(LoopConsistency, OdometryBetweenIsTheChain) {
   const auto keyframes = Path(12);
   const LoopMeasurement motion = OdometryBetween(keyframes, 2, 9);
@@ -200,7 +218,8 @@ struct Rounds {
 
 constexpr int kNever = -1;
 
-Rounds FlyTwoRounds(int break_at) {
+// At `wrong_at` it takes a motion for another one, and doubts it.
+Rounds FlyTwoRounds(int break_at, int wrong_at = kNever) {
   constexpr int kRound = 12;
   Rounds rounds{LoopCloser(testing::SimulatedRig(), RoomCodebook(), MakeNearestNeighborMatcher(),
                            {.min_age_s = 6.0}),
@@ -213,6 +232,9 @@ Rounds FlyTwoRounds(int break_at) {
     if (i > 0) {
       by_odometry = by_odometry * (rounds.truth[i - 1].Inverse() * rounds.truth[i]) * drift;
     }
+    if (i == wrong_at) {
+      by_odometry = by_odometry * Rigid3{ExpSo3({0.0, 0.3, 0.4}), {1.0, 0.7, 0.0}};
+    }
     if (i == break_at) {
       by_odometry = {ExpSo3({0.0, 0.0, 1.0}), {10.0, 0.0, 0.0}};
     }
@@ -220,6 +242,10 @@ Rounds FlyTwoRounds(int break_at) {
                                                       rounds.truth[i], by_odometry, i * kStepNs);
     keyframe.segment = break_at > 0 && i >= break_at ? 1 : 0;
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
+    if (i == wrong_at) {
+      keyframe.motion_covariance =
+          DoubtfulMotion(keyframe.motion_covariance, rounds.truth[i - 1].Inverse() * by_odometry);
+    }
     rounds.closer.Add(std::move(keyframe));
   }
   return rounds;
@@ -245,6 +271,28 @@ TEST(LoopCloser, ALostPartIsFoundAgain) {
   const Rounds rounds = FlyTwoRounds(14);
   EXPECT_GT(rounds.WorstError(ByOdometry(rounds.closer)), 5.0);
   EXPECT_LT(rounds.WorstError(rounds.closer.Optimized()), 0.2);
+}
+
+TEST(LoopCloser, AMotionThatIsWrongIsOutvoted) {
+  // In the second round, where each key frame sees one of the first.
+  Rounds rounds = FlyTwoRounds(kNever, /*wrong_at=*/18);
+  EXPECT_GT(rounds.WorstError(ByOdometry(rounds.closer)), 1.0);
+  EXPECT_LT(rounds.WorstError(rounds.closer.Optimized()), 0.1);
+}
+
+TEST(LoopCloser, ADoubtfulMotionIsVerifiedByThePlaceBefore) {
+  LoopCloser closer(testing::SimulatedRig(), RoomCodebook(), MakeNearestNeighborMatcher(),
+                    {.consistency = {.strong_inliers = 25}});
+  closer.Add(KeyframeAt(0.0));
+  // Too young for a loop, if its motion were not doubtful and wrong.
+  const Rigid3 wrong = PlaceAt(0.2) * Rigid3{ExpSo3({0.0, 0.0, 0.5}), {1.0, 0.0, 0.0}};
+  LoopKeyframe doubtful =
+      testing::MakeLoopKeyframe(testing::SimulatedRig(), Room(), PlaceAt(0.2), wrong, kStepNs);
+  doubtful.motion_covariance =
+      DoubtfulMotion(doubtful.motion_covariance, PlaceAt(0.0).Inverse() * wrong);
+  closer.Add(std::move(doubtful));
+  ASSERT_EQ(closer.loops().size(), 1U);
+  EXPECT_LT((closer.Optimized()[1].translation - PlaceAt(0.2).translation).norm(), 0.01);
 }
 
 TEST(LoopCloser, IsTheSameEachTime) {

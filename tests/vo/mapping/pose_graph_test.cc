@@ -94,20 +94,43 @@ TEST(PoseGraph, OneWrongLoopAmongRightOnesHardlyCounts) {
   std::vector<PoseGraphEdge> edges = Drifting(truth, {});
   for (const std::size_t from : {std::size_t{0}, std::size_t{2}, std::size_t{4}}) {
     edges.push_back(EdgeOf(truth, from, kPoses - 1 - from));
-    edges.back().is_robust = true;
+    edges.back().loss_scale = 4.0;
   }
   PoseGraphEdge wrong = EdgeOf(truth, 1, kPoses - 2);
   wrong.a_from_b.translation += Eigen::Vector3d(2.0, 0.0, 0.0);
   const auto with_wrong = [&](bool is_robust) {
     std::vector<PoseGraphEdge> all = edges;
     all.push_back(wrong);
-    all.back().is_robust = is_robust;
+    all.back().loss_scale = is_robust ? 4.0 : 0.0;
     std::vector<Rigid3> poses = truth;
     OptimizePoseGraph(all, FirstIsFixed(), poses);
     return LargestError(poses, truth);
   };
   EXPECT_LT(with_wrong(true), 0.02);
   EXPECT_GT(with_wrong(false), 0.2);
+}
+
+TEST(PoseGraph, ManyLoopsThatAgreeOutvoteAWrongMotion) {
+  const std::vector<Rigid3> truth = Ring();
+  std::vector<PoseGraphEdge> edges = Drifting(truth, {});
+  constexpr std::size_t kWrong = 11;
+  edges[kWrong].a_from_b.translation += Eigen::Vector3d(0.0, 2.0, 0.0);
+  edges[kWrong].a_from_b.rotation = edges[kWrong].a_from_b.rotation * ExpSo3({0.0, 0.0, 0.6});
+  const std::vector<Rigid3> start = Chained(truth, edges);
+  for (std::size_t i = 0; i < kPoses / 2; ++i) {
+    edges.push_back(EdgeOf(truth, i, i + kPoses / 2));
+  }
+  const auto error = [&](double loop_scale, double odometry_scale) {
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+      edges[i].loss_scale = i + 1 < kPoses ? odometry_scale : loop_scale;
+    }
+    std::vector<Rigid3> poses = start;
+    OptimizePoseGraph(edges, FirstIsFixed(), poses);
+    return LargestError(poses, truth);
+  };
+  EXPECT_LT(error(8.0, 4.0), 0.02);
+  // Where odometry is never wrong, what it says bends the rest.
+  EXPECT_GT(error(8.0, 0.0), 0.5);
 }
 
 TEST(PoseGraph, PosesWithoutEdgesStay) {

@@ -21,6 +21,12 @@ struct StereoKeypoint {
   double inverse_depth = 0.0;
 };
 
+/// Of a motion that is doubtful (FrameResult::is_doubtful): it may be any of about this length. The
+/// turn tells such motions from others.
+PoseCovariance DoubtfulMotion(const PoseCovariance& covariance, const Rigid3& motion);
+/// Whether that was added to a motion's covariance.
+bool IsDoubtful(const PoseCovariance& motion_covariance);
+
 /// What is kept of a key frame to come back to it.
 struct LoopKeyframe {
   int64_t timestamp_ns = 0;

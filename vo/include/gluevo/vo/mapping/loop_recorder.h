@@ -57,7 +57,15 @@ class LoopRecorder {
     int segment = 0;  ///< Behind those of a loaded map.
   };
 
+  /// A frame whose pose was only predicted.
+  struct Pending {
+    StereoFrame frame;
+    FrameResult result;
+  };
+
   bool IsToBeKept(const FrameResult& result) const;
+  bool IsLater(int segment, int64_t timestamp_ns) const;
+  void Keep(const StereoFrame& frame, const FrameResult& result, int segment, const StereoRig& rig);
 
   std::shared_ptr<FeatureExtractor> extractor_;
   std::shared_ptr<Matcher> matcher_;
@@ -68,6 +76,9 @@ class LoopRecorder {
   std::vector<Frame> frames_;
   /// Of the motion from the newest key frame that is kept to odometry's newest one.
   PoseCovariance since_kept_ = PoseCovariance::Zero();
+  /// Since the last frame that was located: if none is any more before tracking is lost, loops are
+  /// all that can tell where these were.
+  std::vector<Pending> pending_;
 };
 
 }  // namespace gluevo::vo

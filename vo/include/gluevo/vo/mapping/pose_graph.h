@@ -14,15 +14,17 @@ struct PoseGraphEdge {
   std::size_t b = 0;
   Rigid3 a_from_b;
   PoseCovariance covariance = PoseCovariance::Identity();
-  /// Whether it may be wrong: its error counts by Cauchy's loss, from some standard deviations on
-  /// ever less.
-  bool is_robust = false;
+  /// Standard deviations from which on its error counts ever less, since it may be wrong
+  /// (Cauchy's loss); 0: it is never wrong.
+  double loss_scale = 0.0;
 };
 
 /// The poses `world_from_body` that fit the edges best in the sense of least squares (6 degrees of
-/// freedom; Grisetti et al. 2010), from where they are. `is_fixed`: one a pose; poses that no edge
-/// leads to stay. The same input gives the same result. Throws Error for a covariance that is not
-/// positive definite, naming the edge.
+/// freedom; Grisetti et al. 2010), from where they are. Edges that may be wrong count in full first
+/// and by their loss step by step (graduated non-convexity: Yang et al. 2020), so that many that
+/// agree outvote one that does not, wherever the poses start. `is_fixed`: one a pose; poses that no
+/// edge leads to stay. The same input gives the same result. Throws Error for a covariance that is
+/// not positive definite, naming the edge.
 void OptimizePoseGraph(const std::vector<PoseGraphEdge>& edges, const std::vector<bool>& is_fixed,
                        std::vector<Rigid3>& world_from_body);
 
