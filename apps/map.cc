@@ -18,10 +18,12 @@
 #include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
+#include "gluevo/vo/mapping/map_culling.h"
 #include "gluevo/vo/mapping/place_map.h"
 #include "gluevo/vo/mapping/place_map_export.h"
 #include "gluevo/vo/pipeline/localizer_config.h"
 #include "interruption.h"
+#include "options/loop_options.h"
 #include "options/network_options.h"
 #include "options/option_group.h"
 
@@ -92,6 +94,7 @@ struct MergeArguments {
   fs::path output;
   vo::LocalizerConfig config;
   vo::LoopOptions loops;
+  vo::MapCullingOptions culling;
   int threads = 0;
 };
 
@@ -109,8 +112,9 @@ void Merge(const MergeArguments& arguments) {
   nn::ThreadPool pool(arguments.threads);
   cv::setNumThreads(pool.size());
   const vo::PlaceMap merged =
-      vo::MergeMaps(arguments.config, arguments.loops, map, arguments.map.string(), more,
-                    arguments.more.string(), pool);
+      vo::CullPlaceMap(vo::MergeMaps(arguments.config, arguments.loops, map, arguments.map.string(),
+                                     more, arguments.more.string(), pool),
+                       arguments.culling);
   vo::WritePlaceMap(arguments.output, merged);
   std::cout << "loops: " << merged.loops.size() << " (" << map.loops.size() << " and "
             << more.loops.size() << " before)\nmap: " << OneLine(arguments.output.string()) << '\n';
@@ -140,6 +144,7 @@ void AddMerge(CLI::App& map) {
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", arguments->loops.max_candidates,
             "So many of the most similar places are verified");
+  AddCullingOption(loops, arguments->culling);
   command->footer("Example:\n  gluevo map merge monday.map tuesday.map -o house.map");
   command->callback([arguments] { Merge(*arguments); });
 }

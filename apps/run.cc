@@ -91,7 +91,7 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   AddPresetOption(command, arguments.preset);
   AddFrontEndOptions(command, arguments.config);
   AddEstimatorOptions(command, arguments.config.odometry);
-  AddLoopOptions(command, arguments.loops, arguments.places.saved_map);
+  AddLoopOptions(command, arguments.loops, arguments.places.saved_map, arguments.places.culling);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "

@@ -12,6 +12,7 @@
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
+#include "gluevo/vo/mapping/map_culling.h"
 #include "gluevo/vo/mapping/place_map.h"
 #include "gluevo/vo/pipeline/loop_config.h"
 #include "report/run_report.h"
@@ -108,7 +109,7 @@ void WritePlaces(const RunPlaces& places, const RunRecords& records,
       map_from_body = *new_from_old_world * map_from_body;
     }
   }
-  vo::WritePlaceMap(places.saved_map, map);
+  vo::WritePlaceMap(places.saved_map, vo::CullPlaceMap(std::move(map), places.culling));
 }
 
 void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gluevo/vo/io/dataset.h"
+#include "gluevo/vo/mapping/map_culling.h"
 #include "run_frames.h"
 #include "run_metrics.h"
 
@@ -16,6 +17,7 @@ struct RunPlaces {
   std::string trajectory_format = "tum";  ///< tum, euroc or kitti
   std::filesystem::path map;              ///< Empty: none.
   std::filesystem::path saved_map;        ///< Of places; empty: none.
+  vo::MapCullingOptions culling;          ///< Of that map.
   bool has_loops = false;                 ///< And so a trajectory that fits them.
   bool has_imu_rate = false;              ///< A trajectory with a pose for every inertial reading.
 };

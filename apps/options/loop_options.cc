@@ -9,7 +9,8 @@
 
 namespace gluevo::apps {
 
-void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::path& save_map) {
+void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::path& save_map,
+                    vo::MapCullingOptions& culling) {
   OptionGroup loops(command, "Loops");
   loops
       .Add("--loops", config.is_on,
@@ -34,6 +35,17 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", config.options.max_candidates,
             "So many of the most similar places are verified");
+  AddCullingOption(loops, culling);
+}
+
+void AddCullingOption(OptionGroup& group, vo::MapCullingOptions& culling) {
+  group
+      .Add("--cull-map", culling.is_on,
+           "on: a map keeps no key frame whose points three older ones show, and so grows with the "
+           "space that was seen, not with time")
+      ->check(OneOf({"off", "on"}))
+      ->default_function([&culling] { return std::string(culling.is_on ? "on" : "off"); })
+      ->capture_default_str();
 }
 
 void TurnOnForMaps(CLI::App& command, vo::LoopConfig& config,

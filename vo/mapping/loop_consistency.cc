@@ -5,21 +5,14 @@
 
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
+#include "loop_measurement.h"
 
 namespace gluevo::vo {
+
+using internal::Chained;
+using internal::Inverted;
+
 namespace {
-
-LoopMeasurement Chained(const LoopMeasurement& first, const LoopMeasurement& second) {
-  return {first.candidate_from_query * second.candidate_from_query,
-          Compose(first.covariance, second.candidate_from_query, second.covariance)};
-}
-
-LoopMeasurement Inverted(const LoopMeasurement& motion) {
-  const Rigid3 inverse = motion.candidate_from_query.Inverse();
-  // The error of an inverse in its own axes is that of the motion, seen from the other end.
-  const Eigen::Matrix<double, 6, 6> through = ErrorThrough(inverse);
-  return {inverse, through * motion.covariance * through.transpose()};
-}
 
 LoopMeasurement AnyOrder(const std::vector<LoopKeyframe>& keyframes, std::size_t a, std::size_t b) {
   return a <= b ? OdometryBetween(keyframes, a, b) : Inverted(OdometryBetween(keyframes, b, a));
