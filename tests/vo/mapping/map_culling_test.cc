@@ -6,6 +6,7 @@
 
 #include <numbers>
 
+#include "gluevo/vo/core/seconds.h"
 #include "message_of.h"
 #include "vo/mapping/place_map_scene.h"
 
@@ -78,8 +79,7 @@ TEST(MapCulling, PartsHangTogetherAndMotionsAddUp) {
     const LoopKeyframe& before = culled.keyframes[i - 1];
     const LoopKeyframe& now = culled.keyframes[i];
     EXPECT_TRUE(now.segment == before.segment || now.segment == before.segment + 1);
-    const auto steps =
-        static_cast<double>((now.timestamp_ns - before.timestamp_ns) / 1'000'000'000);
+    const double steps = SecondsBetween(before.timestamp_ns, now.timestamp_ns);
     if (now.segment == before.segment) {
       EXPECT_GE(now.motion_covariance(0, 0), steps * 1e-4 * (1.0 - 1e-9));
     }

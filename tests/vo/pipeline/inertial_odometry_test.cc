@@ -155,8 +155,10 @@ TEST(InertialOdometryTest, StartsAtRest) {
                        tilt.conjugate() * -gravity + testing::UniformVector(generator, 0.05)});
   }
   const auto points = testing::RoomPoints(3000, 6.0, 4);
+  constexpr int kFrames = 15;
   std::vector<TrackedFrame> frames;
-  for (int i = 0; i < 15; ++i) {
+  frames.reserve(kFrames);
+  for (int i = 0; i < kFrames; ++i) {
     frames.push_back(testing::Simulate(testing::SimulatedRig(), points, {tilt, {1.0, 0.0, 0.0}},
                                        TimeOf(i), {.noise_px = 0.5}));
   }
