@@ -20,7 +20,7 @@ using inertial_block::kVelocity;
 
 // `start`'s information of biases and gravity as the prior of a window whose oldest frame is the
 // linearisation's first. It is at its own linearisation point, so that it has no residual.
-PosePrior WithStart(const std::optional<PosePrior>& prior, PosePrior linearization,
+PosePrior WithStart(const std::optional<PosePrior>& prior, const PosePrior& linearization,
                     const InertialStart& start, double weight) {
   constexpr double kTwice = 2.0;  // In standard deviations.
   constexpr int kVelocitySize = 3;
