@@ -1,7 +1,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/estimator/sliding_window.h"
@@ -82,7 +81,7 @@ void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& 
   linearization.motions = {frames_.front().motion};
   linearization.gravity_turn = gravity_.turn;
   linearization.time_offset_s = time_offset_s_;
-  prior_ = WithStart(prior_, std::move(linearization), start, views_noise_.Factor());
+  prior_ = WithStart(prior_, linearization, start, views_noise_.Factor());
 }
 
 std::unique_ptr<InertialFactor> SlidingWindow::FactorOf(const Preintegration& measured) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
 #include "loop_measurement.h"
 
@@ -30,8 +31,7 @@ double SquaredError(const LoopMeasurement& x, const LoopMeasurement& y, double i
 bool IsApart(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyframes,
              double min_apart_s) {
   const auto seconds = [&](std::size_t a, std::size_t b) {
-    return std::abs(static_cast<double>(keyframes[a].timestamp_ns - keyframes[b].timestamp_ns) *
-                    1e-9);
+    return std::abs(SecondsBetween(keyframes[b].timestamp_ns, keyframes[a].timestamp_ns));
   };
   return seconds(x.query, y.query) >= min_apart_s;
 }

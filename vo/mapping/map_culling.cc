@@ -18,6 +18,7 @@ constexpr double kRadian = std::numbers::pi / 180.0;
 /// Where the left camera of a key frame is, and its points, in the map's frame.
 struct SeenPlace {
   Rigid3 map_from_cam;
+  Rigid3 cam_from_map;
   std::vector<Eigen::Vector3d> points;
 };
 
@@ -25,7 +26,8 @@ std::vector<SeenPlace> PlacesOf(const PlaceMap& map) {
   std::vector<SeenPlace> places;
   places.reserve(map.keyframes.size());
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
-    SeenPlace place{map.map_from_body[i] * map.rig.body_from_cam[0], {}};
+    const Rigid3 map_from_cam = map.map_from_body[i] * map.rig.body_from_cam[0];
+    SeenPlace place{map_from_cam, map_from_cam.Inverse(), {}};
     for (const StereoKeypoint& keypoint : map.keyframes[i].keypoints) {
       if (keypoint.inverse_depth > 0.0) {
         place.points.emplace_back(place.map_from_cam *
@@ -44,7 +46,7 @@ bool IsTurnedLike(const SeenPlace& a, const SeenPlace& b, double max_turn_deg) {
 // Whether another camera sees a point of a place as the place does.
 bool SeesAlike(const Camera& camera, const SeenPlace& place, const Eigen::Vector3d& point,
                const SeenPlace& other, const MapCullingOptions& options) {
-  const Eigen::Vector3d in_other = other.map_from_cam.Inverse() * point;
+  const Eigen::Vector3d in_other = other.cam_from_map * point;
   if (in_other.z() <= 0.0) {
     return false;
   }
