@@ -15,6 +15,7 @@
 #include "gluevo/nn/output_file.h"
 #include "json_text.h"
 #include "report/processor.h"
+#include "stereo_calibration_metrics.h"
 
 namespace gluevo::apps {
 namespace {
@@ -146,6 +147,7 @@ RunReport RunMetrics::Report(const Context& context) const {
   report.evaluation = context.evaluation;
   report.evaluation_failure = context.evaluation_failure;
   report.inertial = InertialSentence(context);
+  report.stereo_calibration = TextOfStereoCalibration(frames_);
   report.duration_s = Duration();
   report.stages_ms = stages_ms_;
   report.peak_memory_mb = PeakMemoryMb();
@@ -198,6 +200,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   if (context.imu) {
     json["imu"] = ImuJson(*context.imu, frames_);
   }
+  json["stereo_calibration"] = StereoCalibrationJson(frames_);
   json["peak_memory_mb"] = PeakMemoryMb();
   json["isa"] = nn::IsaName(nn::ChooseIsa());
   json["threads"] = context.threads;
@@ -265,8 +268,10 @@ std::string RunMetrics::Summary(const Context& context) const {
        << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
        << " tracked (" << MedianMatches(&vo::FrameResult::inliers) << " fit), "
        << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
-  if (context.imu && context.imu->begin) {
-    text << InertialSentence(context) << '\n';
+  const bool has_begun = context.imu && context.imu->begin;
+  for (const std::string& sentence :
+       {has_begun ? InertialSentence(context) : std::string(), TextOfStereoCalibration(frames_)}) {
+    text << sentence << (sentence.empty() ? "" : "\n");
   }
   for (const std::string& warning : Warnings(context)) {
     text << "warning: " << OneLine(warning) << '\n';

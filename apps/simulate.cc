@@ -78,6 +78,26 @@ void AddImageOptions(CLI::App& command, simulation::ImageOptions& options) {
       ->capture_default_str();
 }
 
+void AddSceneOptions(CLI::App& command, simulation::SimulationOptions& options) {
+  command
+      .add_option("--calibration-error", options.calibration_error_mrad,
+                  "Write a calibration whose right camera is turned by so many milliradians about "
+                  "its vertical axis")
+      ->capture_default_str();
+  command.add_flag("--twins", options.twins,
+                   "Every six metres the room looks the same, but for its end walls: places that "
+                   "look alike and are others");
+  command
+      .add_option("--movers", options.movers,
+                  "So many boxes drive or fly through the scene; also writes cam0/movers: masks "
+                  "of what moves in the left images")
+      ->capture_default_str();
+  command
+      .add_option("--movers-cover", options.movers_cover,
+                  "Share of the left image that each mover fills when it is nearest, at most 0.5")
+      ->capture_default_str();
+}
+
 }  // namespace
 
 void AddSimulateCommand(CLI::App& app) {
@@ -124,18 +144,7 @@ void AddSimulateCommand(CLI::App& app) {
   command->add_flag("--correspondences", options.correspondences,
                     "Also write correspondences.h5: where the pixels of a grid are seen in the "
                     "right and in the next image, and their points in the world");
-  command->add_flag("--twins", options.twins,
-                    "Every six metres the room looks the same, but for its end walls: places that "
-                    "look alike and are others");
-  command
-      ->add_option("--movers", options.movers,
-                   "So many boxes drive or fly through the scene; also writes cam0/movers: masks "
-                   "of what moves in the left images")
-      ->capture_default_str();
-  command
-      ->add_option("--movers-cover", options.movers_cover,
-                   "Share of the left image that each mover fills when it is nearest, at most 0.5")
-      ->capture_default_str();
+  AddSceneOptions(*command, options);
   CLI::Option* const pairs =
       command
           ->add_option("--pairs", arguments->rooms,
@@ -146,7 +155,7 @@ void AddSimulateCommand(CLI::App& app) {
   for (const char* option :
        {"--path", "--trajectory", "--start", "--from-takeoff", "--duration", "--laps", "--twins",
         "--rate", "--noise", "--exposure-change", "--vignetting", "--motion-blur", "--light",
-        "--correspondences", "--movers", "--movers-cover"}) {
+        "--correspondences", "--movers", "--movers-cover", "--calibration-error"}) {
     pairs->excludes(command->get_option(option));
   }
   command->add_option("--threads", options.threads, "Threads; default: one for each processor")

@@ -43,6 +43,8 @@ struct RunReport {
 
   /// How the inertial unit started, or why it did not, a sentence; empty where none was used.
   std::string inertial;
+  /// How far the stereo calibration is off, likewise; empty where it is right.
+  std::string stereo_calibration;
 
   double duration_s = 0.0;
   /// Milliseconds a frame by stage: "read", what vo::FrameResult names, and "total".

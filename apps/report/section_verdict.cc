@@ -93,6 +93,9 @@ std::string VerdictSection(const RunReport& report) {
   for (const std::string& warning : report.warnings) {
     html += "<p class=\"notice warn\">" + Escape(warning) + "</p>\n";
   }
+  if (!report.stereo_calibration.empty()) {
+    html += "<p class=\"notice\">" + Escape(report.stereo_calibration) + ".</p>\n";
+  }
   return report.evaluation ? html : html + NoGroundTruth(report);
 }
 

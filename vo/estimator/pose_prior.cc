@@ -40,11 +40,6 @@ void SetRows(const Eigen::MatrixXd& scaled_hessian, const Eigen::VectorXd& scale
 
 }  // namespace
 
-Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
-                            const Eigen::Quaterniond& body_from_right) {
-  return LogSo3(body_from_right.conjugate() * body_from_right_before);
-}
-
 std::optional<std::size_t> PosePrior::Find(int64_t frame_id) const {
   const auto found = std::lower_bound(frame_ids.begin(), frame_ids.end(), frame_id);
   if (found == frame_ids.end() || *found != frame_id) {
@@ -54,7 +49,7 @@ std::optional<std::size_t> PosePrior::Find(int64_t frame_id) const {
 }
 
 Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
-                                 const Eigen::Quaterniond& present_body_from_right,
+                                 const Eigen::Vector3d& present_turn,
                                  const std::vector<VelocityAndBias>& present_motions,
                                  const Eigen::Vector2d& present_gravity_turn,
                                  const std::optional<double>& present_time_offset_s) const {
@@ -62,7 +57,7 @@ Eigen::VectorXd PosePrior::Delta(const std::vector<Rigid3>& present,
   for (std::size_t i = 0; i < present.size(); ++i) {
     delta.segment<kPose>(kPose * i) = Minus(present[i], world_from_body[i]);
   }
-  delta.segment<kTurn>(TurnColumn()) = TurnBetween(body_from_right, present_body_from_right);
+  delta.segment<kTurn>(TurnColumn()) = present_turn - turn;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     delta.segment<kMotion>(MotionColumn(i)) = Difference(present_motions[i], motions[i]);
   }

@@ -10,8 +10,7 @@ constexpr int kTurn = PosePrior::kTurn;
 
 }  // namespace
 
-PosePriorFactor::PosePriorFactor(const PosePrior& prior, const Eigen::Vector3d& turn_so_far)
-    : prior_(prior), turn_so_far_(turn_so_far) {
+PosePriorFactor::PosePriorFactor(const PosePrior& prior) : prior_(prior) {
   for (std::size_t i = 0; i < prior.frame_ids.size(); ++i) {
     mutable_parameter_block_sizes()->push_back(PoseManifold::kAmbientSize);
   }
@@ -27,7 +26,7 @@ bool PosePriorFactor::Evaluate(double const* const* parameters, double* residual
   for (std::size_t i = 0; i < frames; ++i) {
     delta.segment<kPose>(kPose * i) = Minus(ToRigid3(parameters[i]), prior_.world_from_body[i]);
   }
-  delta.tail<kTurn>() = turn_so_far_ + Eigen::Map<const Eigen::Vector3d>(parameters[frames]);
+  delta.tail<kTurn>() = Eigen::Map<const Eigen::Vector3d>(parameters[frames]) - prior_.turn;
   Eigen::Map<Eigen::VectorXd> residual(residuals, num_residuals());
   residual = prior_.residual + prior_.jacobian * delta;
   if (jacobians == nullptr) {

@@ -14,13 +14,12 @@ namespace gluevo::vo {
 class PosePriorFactor final : public ceres::CostFunction {
  public:
   /// Keeps a reference: `prior` must outlive the factor.
-  PosePriorFactor(const PosePrior& prior, const Eigen::Vector3d& turn_so_far);
+  PosePriorFactor(const PosePrior& prior);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
  private:
   const PosePrior& prior_;
-  Eigen::Vector3d turn_so_far_;
 };
 
 }  // namespace gluevo::vo

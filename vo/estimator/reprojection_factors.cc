@@ -1,6 +1,7 @@
 #include "reprojection_factors.h"
 
 #include "gluevo/vo/geometry/projection.h"
+#include "gluevo/vo/geometry/stereo_correction.h"
 #include "pose_manifold.h"
 
 namespace gluevo::vo {
@@ -21,8 +22,8 @@ Row2x7 AmbientJacobian(const Eigen::Matrix<double, 2, 6>& tangent_jacobian, cons
   return tangent_jacobian * minus;
 }
 
-Eigen::Matrix3d Turn(const double* turn) {
-  return Eigen::Matrix3d::Identity() + Skew(Eigen::Map<const Eigen::Vector3d>(turn));
+StereoCorrection Correction(const double* turn, double bend) {
+  return {Eigen::Map<const Eigen::Vector3d>(turn), bend};
 }
 
 bool FillBehind(double* residuals, double** jacobians, const std::vector<int>& sizes) {
@@ -41,13 +42,15 @@ bool FillBehind(double* residuals, double** jacobians, const std::vector<int>& s
 
 OtherFrameReprojection::OtherFrameReprojection(const Rigid3& body_from_anchor_cam,
                                                const Rigid3& body_from_cam,
-                                               const Eigen::Vector2d& observed, double weight)
+                                               const Eigen::Vector2d& observed, double weight,
+                                               double bend)
     : body_from_anchor_rotation_(body_from_anchor_cam.rotation.toRotationMatrix()),
       anchor_center_in_body_(body_from_anchor_cam.translation),
       cam_from_body_rotation_(body_from_cam.Inverse().rotation.toRotationMatrix()),
       cam_from_body_translation_(body_from_cam.Inverse().translation),
       observed_(observed),
-      weight_(weight) {}
+      weight_(weight),
+      bend_(bend) {}
 
 bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* residuals,
                                       double** jacobians) const {
@@ -63,7 +66,8 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
   const Eigen::Vector3d in_i = body_from_anchor_rotation_ * ray + lambda * anchor_center_in_body_;
   const Eigen::Vector3d i_from_j = world_from_i.translation - world_from_j.translation;
   const Eigen::Vector3d in_j = j_from_world_rotation * (rotation_i * in_i + lambda * i_from_j);
-  const Eigen::Matrix3d turn = Turn(parameters[3]);
+  const StereoCorrection correction = Correction(parameters[3], bend_);
+  const Eigen::Matrix3d turn = correction.Matrix();
   const Eigen::Vector3d before_turn =
       cam_from_body_rotation_ * in_j + lambda * cam_from_body_translation_;
   const Eigen::Vector3d in_cam = turn * before_turn;
@@ -100,22 +104,25 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
   }
   if (jacobians[3] != nullptr) {
     Eigen::Map<Row2x3> jacobian(jacobians[3]);
-    jacobian = -by_turned * Skew(before_turn);
+    jacobian = by_turned * correction.ByTurn(before_turn);
   }
   return true;
 }
 
 SameFrameReprojection::SameFrameReprojection(const Rigid3& cam_from_anchor_cam,
-                                             const Eigen::Vector2d& observed, double weight)
+                                             const Eigen::Vector2d& observed, double weight,
+                                             double bend)
     : cam_from_anchor_rotation_(cam_from_anchor_cam.rotation.toRotationMatrix()),
       anchor_center_in_cam_(cam_from_anchor_cam.translation),
       observed_(observed),
-      weight_(weight) {}
+      weight_(weight),
+      bend_(bend) {}
 
 bool SameFrameReprojection::Evaluate(double const* const* parameters, double* residuals,
                                      double** jacobians) const {
   const Eigen::Vector3d ray(parameters[0][0], parameters[0][1], 1.0);
-  const Eigen::Matrix3d turn = Turn(parameters[1]);
+  const StereoCorrection correction = Correction(parameters[1], bend_);
+  const Eigen::Matrix3d turn = correction.Matrix();
   const Eigen::Vector3d before_turn =
       cam_from_anchor_rotation_ * ray + parameters[0][2] * anchor_center_in_cam_;
   const Eigen::Vector3d in_cam = turn * before_turn;
@@ -135,7 +142,7 @@ bool SameFrameReprojection::Evaluate(double const* const* parameters, double* re
   }
   if (jacobians[1] != nullptr) {
     Eigen::Map<Row2x3> jacobian(jacobians[1]);
-    jacobian = -by_turned * Skew(before_turn);
+    jacobian = by_turned * correction.ByTurn(before_turn);
   }
   return true;
 }

@@ -22,9 +22,8 @@ namespace gluevo::vo {
 /// deviation there, so residuals have no unit. The point is carried homogeneously, as ray +
 /// lambda * (...), so that lambda may come close to 0 (a point far away).
 ///
-/// A camera's orientation in the rig may be refined: `turn` (3 values, radians) moves a point x of
-/// its frame to x + turn x x. That is a rotation to first order, which is all there is to turns of
-/// a milliradian. It is zero for the left camera, whose frame is the rig's reference.
+/// How the right camera sees may be refined: `turn` (3 values, radians) and `bend` are those of
+/// StereoCorrection. The turn is zero for the left camera, whose frame is the rig's reference.
 ///
 /// A point behind the camera that sees it gives a large constant residual with zero Jacobian: the
 /// solver rejects steps that lead there, and a landmark that starts there is left alone.
@@ -37,7 +36,7 @@ class OtherFrameReprojection final : public ceres::SizedCostFunction<2, 7, 7, 3,
   /// `body_from_anchor_cam` is the left camera's; `body_from_cam` that of the camera that sees
   /// the point at `observed`.
   OtherFrameReprojection(const Rigid3& body_from_anchor_cam, const Rigid3& body_from_cam,
-                         const Eigen::Vector2d& observed, double weight);
+                         const Eigen::Vector2d& observed, double weight, double bend = 1.0);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -48,6 +47,7 @@ class OtherFrameReprojection final : public ceres::SizedCostFunction<2, 7, 7, 3,
   Eigen::Vector3d cam_from_body_translation_;
   Eigen::Vector2d observed_;
   double weight_;
+  double bend_;
 };
 
 /// Anchored in a frame and seen by a camera of the same frame: the right one, or the left one
@@ -56,7 +56,7 @@ class OtherFrameReprojection final : public ceres::SizedCostFunction<2, 7, 7, 3,
 class SameFrameReprojection final : public ceres::SizedCostFunction<2, 3, 3> {
  public:
   SameFrameReprojection(const Rigid3& cam_from_anchor_cam, const Eigen::Vector2d& observed,
-                        double weight);
+                        double weight, double bend = 1.0);
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override;
 
@@ -65,6 +65,7 @@ class SameFrameReprojection final : public ceres::SizedCostFunction<2, 3, 3> {
   Eigen::Vector3d anchor_center_in_cam_;  // metres
   Eigen::Vector2d observed_;
   double weight_;
+  double bend_;
 };
 
 }  // namespace gluevo::vo

@@ -28,9 +28,10 @@ void SlidingWindowOptions::Validate() const {
   triangulation.Validate();
 }
 
-SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options)
-    : rig_(rig),
-      calibrated_body_from_right_(rig.body_from_cam[1].rotation),
+SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options,
+                             const StereoCalibration& so_far)
+    : calibrated_rig_(rig),
+      calibration_(so_far),
       options_(options),
       workspace_(std::make_unique<Workspace>()) {
   options_.Validate();
@@ -51,7 +52,7 @@ std::vector<MapPoint> SlidingWindow::MapPoints() const {
   for (const auto& [id, landmark] : landmarks_) {
     if (landmark.point) {
       const Rigid3 world_from_anchor =
-          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+          FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0];
       points.push_back(
           {landmark.track_id,
            world_from_anchor *
@@ -69,7 +70,7 @@ std::size_t SlidingWindow::FrameIndex(int64_t frame_id) const {
 
 AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
   const Rigid3 world_from_anchor =
-      FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+      FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0];
   return {world_from_anchor.translation,
           world_from_anchor.rotation * landmark.point->head<2>().homogeneous(),
           landmark.point->z()};
@@ -89,7 +90,10 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const Track
       AnchoredPoint point = ToAnchoredPoint(landmark);
       point.inverse_depth_sigma = InverseDepthSigma(landmark, noise);
       correspondences.push_back(
-          {i, {point, observation.left, observation.has_right, observation.right}});
+          {i,
+           {point, observation.left, observation.has_right,
+            observation.has_right ? calibration_.correction.Undo(observation.right)
+                                  : observation.right}});
     }
   }
   return correspondences;

@@ -10,12 +10,12 @@ namespace gluevo::vo {
 
 void SlidingWindow::StartProblem() {
   WindowProblem& problem = workspace_->problem;
-  problem.body_from_cam = rig_.body_from_cam;
+  problem.body_from_cam = calibrated_rig_.body_from_cam;
   problem.weight = 1.0 / FromReferencePx(options_.noise_px);
   problem.huber = options_.huber;
-  problem.turn.setZero();
+  problem.turn = calibration_.correction.turn;
+  problem.bend = calibration_.correction.bend;
   problem.turn_sigma = 1e-3 * options_.right_turn_sigma_mrad;
-  problem.turn_so_far = TurnBetween(calibrated_body_from_right_, rig_.body_from_cam[1].rotation);
   problem.world_from_body.resize(frames_.size());
   std::transform(frames_.begin(), frames_.end(), problem.world_from_body.begin(),
                  [](const Frame& frame) { return frame.world_from_body; });
@@ -33,7 +33,6 @@ void SlidingWindow::AddPriorToProblem() {
   }
   WindowProblem& problem = workspace_->problem;
   problem.prior = &*prior_;
-  problem.prior_turn_so_far = TurnBetween(prior_->body_from_right, rig_.body_from_cam[1].rotation);
   problem.prior_frames.resize(prior_->frame_ids.size());
   std::transform(prior_->frame_ids.begin(), prior_->frame_ids.end(), problem.prior_frames.begin(),
                  [this](int64_t frame_id) { return static_cast<int>(FrameIndex(frame_id)); });
@@ -77,8 +76,7 @@ void SlidingWindow::TakeOver(const WindowProblem& problem) {
   }
   gravity_.turn = problem.gravity.turn;
   time_offset_s_ = problem.time_offset_s;
-  Eigen::Quaterniond& body_from_right = rig_.body_from_cam[1].rotation;
-  body_from_right = (body_from_right * ExpSo3(problem.turn).conjugate()).normalized();
+  calibration_.correction.turn = problem.turn;
   auto point = problem.points.begin();
   for (auto& [id, landmark] : landmarks_) {
     if (IsAdjusted(landmark)) {
@@ -106,6 +104,7 @@ bool SlidingWindow::Optimize() {
                                                     : workspace_->solver.Solve(problem, limits);
   if (is_solved) {
     TakeOver(problem);
+    WeighBend(limits);
   }
   return is_solved;
 }

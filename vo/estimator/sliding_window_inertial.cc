@@ -76,7 +76,7 @@ void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& 
   } else {
     linearization.frame_ids = {frames_.front().id};
     linearization.world_from_body = {frames_.front().world_from_body};
-    linearization.body_from_right = rig_.body_from_cam[1].rotation;
+    linearization.turn = calibration_.correction.turn;
   }
   linearization.motions = {frames_.front().motion};
   linearization.gravity_turn = gravity_.turn;

@@ -23,12 +23,14 @@ std::optional<Eigen::Vector3d> ToInverseDepth(const Eigen::Vector3d& point_in_ca
 template <typename Visitor>
 void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
   const Rigid3 anchor_from_world =
-      (FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0]).Inverse();
+      (FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0])
+          .Inverse();
   for (const LandmarkView& view : landmark.views) {
     const Rigid3 anchor_from_body = anchor_from_world * FrameOf(view).world_from_body;
-    visit((anchor_from_body * rig_.body_from_cam[0]).Inverse(), view.left);
+    visit((anchor_from_body * calibrated_rig_.body_from_cam[0]).Inverse(), view.left);
     if (view.right) {
-      visit((anchor_from_body * rig_.body_from_cam[1]).Inverse(), *view.right);
+      visit((anchor_from_body * calibrated_rig_.body_from_cam[1]).Inverse(),
+            calibration_.correction.Undo(*view.right));
     }
   }
 }
@@ -76,9 +78,10 @@ std::optional<Eigen::Vector3d> SlidingWindow::TriangulateViews(
   std::vector<PosedObservation> views;
   for (const LandmarkView& view : landmark_views) {
     const Rigid3& world_from_body = FrameOf(view).world_from_body;
-    views.push_back({(world_from_body * rig_.body_from_cam[0]).Inverse(), view.left});
+    views.push_back({(world_from_body * calibrated_rig_.body_from_cam[0]).Inverse(), view.left});
     if (view.right) {
-      views.push_back({(world_from_body * rig_.body_from_cam[1]).Inverse(), *view.right});
+      views.push_back({(world_from_body * calibrated_rig_.body_from_cam[1]).Inverse(),
+                       calibration_.correction.Undo(*view.right)});
     }
   }
   const auto point_in_world = vo::Triangulate(views, options_.triangulation);
@@ -151,7 +154,7 @@ void SlidingWindow::DropFrame(std::size_t index) {
     }
     if (point_in_world) {
       const Rigid3 world_from_cam =
-          FrameOf(landmark.views.front()).world_from_body * rig_.body_from_cam[0];
+          FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0];
       landmark.point = ToInverseDepth(world_from_cam.Inverse() * *point_in_world);
     }
     ++it;

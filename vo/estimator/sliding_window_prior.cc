@@ -8,7 +8,7 @@ namespace gluevo::vo {
 
 void SlidingWindow::MarginalizeOldest() {
   PosePrior linearization;
-  linearization.body_from_right = prior_ ? prior_->body_from_right : rig_.body_from_cam[1].rotation;
+  linearization.turn = prior_ ? prior_->turn : calibration_.correction.turn;
   linearization.frame_ids.reserve(frames_.size());
   linearization.world_from_body.reserve(frames_.size());
   for (const Frame& frame : frames_) {
@@ -58,7 +58,7 @@ Eigen::VectorXd SlidingWindow::Delta(const PosePrior& linearization) const {
     poses.push_back(frame.world_from_body);
     motions.push_back(frame.motion);
   }
-  return linearization.Delta(poses, rig_.body_from_cam[1].rotation, motions, gravity_.turn,
+  return linearization.Delta(poses, calibration_.correction.turn, motions, gravity_.turn,
                              time_offset_s_);
 }
 

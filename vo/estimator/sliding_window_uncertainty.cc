@@ -45,6 +45,9 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
   // Of whitened residuals: 1 where they are as large as the noise that was assumed.
   const double scale = freedom > 0.0 ? 2.0 * workspace.equations.views_cost() / freedom : 1.0;
   views_noise_.Learn(scale, freedom);
+  if (workspace.equations.columns().has_turn) {
+    calibration_.turn_sigma = std::sqrt(scale) * workspace.equations.VarianceOfTurn().cwiseSqrt();
+  }
   if (has_inertia()) {
     inertial_covariance_ =
         workspace.equations.CovarianceOfMotion(static_cast<int>(frames_.size()) - 1);

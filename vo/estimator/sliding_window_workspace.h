@@ -19,6 +19,8 @@ struct SlidingWindow::Workspace {
   WindowEquations equations;  // At what the solver found.
   WindowState state;
 
+  WindowProblem trial;  // Of another calibration.
+
   // Marginalisation alone.
   std::vector<Eigen::Vector3d> positions;
   WindowGeometry at_present, at_first_estimates;

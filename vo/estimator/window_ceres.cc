@@ -17,14 +17,12 @@ namespace {
 // What the calibration says of the right camera's orientation: that it is right within `sigma`.
 class CalibrationPrior final : public ceres::SizedCostFunction<3, 3> {
  public:
-  // `turn_so_far`: rotation vector from the calibrated to the present right camera, radians.
-  CalibrationPrior(const Eigen::Vector3d& turn_so_far, double sigma)
-      : turn_so_far_(turn_so_far), sigma_(sigma) {}
+  explicit CalibrationPrior(double sigma) : sigma_(sigma) {}
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
     Eigen::Map<Eigen::Vector3d> residual(residuals);
-    residual = (turn_so_far_ + Eigen::Map<const Eigen::Vector3d>(parameters[0])) / sigma_;
+    residual = Eigen::Map<const Eigen::Vector3d>(parameters[0]) / sigma_;
     if (jacobians != nullptr && jacobians[0] != nullptr) {
       Eigen::Map<Eigen::Matrix3d> jacobian(jacobians[0]);
       jacobian = Eigen::Matrix3d::Identity() / sigma_;
@@ -33,7 +31,6 @@ class CalibrationPrior final : public ceres::SizedCostFunction<3, 3> {
   }
 
  private:
-  Eigen::Vector3d turn_so_far_;
   double sigma_;
 };
 
@@ -110,8 +107,7 @@ void Adjustment::AddTurns() {
   }
   problem_.SetParameterBlockConstant(Turn(0));
   if (window_.turn_sigma > 0.0) {
-    problem_.AddResidualBlock(new CalibrationPrior(window_.turn_so_far, window_.turn_sigma),
-                              nullptr, Turn(1));
+    problem_.AddResidualBlock(new CalibrationPrior(window_.turn_sigma), nullptr, Turn(1));
   } else {
     problem_.SetParameterBlockConstant(Turn(1));
   }
@@ -127,8 +123,7 @@ void Adjustment::AddPrior() {
     blocks.push_back(Pose(frame));
   }
   blocks.push_back(Turn(1));
-  problem_.AddResidualBlock(new PosePriorFactor(*window_.prior, window_.prior_turn_so_far), nullptr,
-                            blocks);
+  problem_.AddResidualBlock(new PosePriorFactor(*window_.prior), nullptr, blocks);
 }
 
 void Adjustment::AddPoint(const WindowProblem::Point& point, double* position) {
@@ -139,13 +134,13 @@ void Adjustment::AddPoint(const WindowProblem::Point& point, double* position) {
     if (view.frame == point.anchor) {
       problem_.AddResidualBlock(
           new SameFrameReprojection(view.camera == 0 ? Rigid3{} : right_from_left, view.seen,
-                                    window_.weight),
+                                    window_.weight, window_.bend),
           &loss_, position, Turn(view.camera));
     } else {
       problem_.AddResidualBlock(
           new OtherFrameReprojection(body_from_cam[0],
                                      body_from_cam[static_cast<std::size_t>(view.camera)],
-                                     view.seen, window_.weight),
+                                     view.seen, window_.weight, window_.bend),
           &loss_, Pose(point.anchor), Pose(view.frame), position, Turn(view.camera));
     }
   }

@@ -112,7 +112,15 @@ std::optional<WindowEquations::MotionCovariance> WindowEquations::CovarianceOfMo
 }
 
 double WindowEquations::VarianceOfTimeOffset() {
-  const int column = system_.columns.TimeOffset();
+  return VarianceOfColumn(system_.columns.TimeOffset());
+}
+
+Eigen::Vector3d WindowEquations::VarianceOfTurn() {
+  const int turn = system_.columns.Turn();
+  return {VarianceOfColumn(turn), VarianceOfColumn(turn + 1), VarianceOfColumn(turn + 2)};
+}
+
+double WindowEquations::VarianceOfColumn(int column) {
   columns_.setZero(reduced_.rows(), 1);
   columns_(column, 0) = 1.0;
   reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);

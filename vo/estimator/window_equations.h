@@ -43,12 +43,16 @@ class WindowEquations {
   /// Covariance() has given something.
   using MotionCovariance = Eigen::Matrix<double, 11, 11>;
   std::optional<MotionCovariance> CovarianceOfMotion(int frame);
-  /// Likewise of the time offset where it is estimated, s^2.
+  /// Likewise of the time offset where it is estimated, s^2, ...
   double VarianceOfTimeOffset();
+  /// ... and of the turn's three components, radians^2.
+  Eigen::Vector3d VarianceOfTurn();
   /// By how much the linearised problem says that the cost falls with the step.
   double predicted_decrease() const { return predicted_decrease_; }
 
  private:
+  /// Of one column, once Covariance() has given something.
+  double VarianceOfColumn(int column);
   /// The damped equations without points, of which step_ is the right side, for step_.
   bool SolveReduced();
 

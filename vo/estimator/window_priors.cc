@@ -19,9 +19,7 @@ void WindowPriors::Set(const WindowProblem& problem) {
 }
 
 double WindowPriors::TurnCost(const WindowState& state) const {
-  return problem_->turn_sigma > 0.0
-             ? 0.5 * ((problem_->turn_so_far + state.turn) / problem_->turn_sigma).squaredNorm()
-             : 0.0;
+  return problem_->turn_sigma > 0.0 ? 0.5 * (state.turn / problem_->turn_sigma).squaredNorm() : 0.0;
 }
 
 void WindowPriors::SetResidual(const WindowState& state) {
@@ -32,7 +30,7 @@ void WindowPriors::SetResidual(const WindowState& state) {
         Minus(state.world_from_body[static_cast<std::size_t>(problem_->prior_frames[i])],
               prior.world_from_body[i]);
   }
-  delta_.segment<3>(prior.TurnColumn()) = problem_->prior_turn_so_far + state.turn;
+  delta_.segment<3>(prior.TurnColumn()) = state.turn - prior.turn;
   for (std::size_t i = 0; i < prior.motions.size(); ++i) {
     const VelocityAndBias& motion =
         state.motions[static_cast<std::size_t>(problem_->prior_frames[i])];
@@ -65,7 +63,7 @@ void WindowPriors::AddTurnTo(const WindowState& state, WindowSystem& system) con
   const double information = 1.0 / (problem_->turn_sigma * problem_->turn_sigma);
   const int turn = system.columns.Turn();
   system.hessian.diagonal().segment<3>(turn).array() += information;
-  system.gradient.segment<3>(turn) += information * (problem_->turn_so_far + state.turn);
+  system.gradient.segment<3>(turn) += information * state.turn;
 }
 
 void WindowPriors::AddTo(const WindowState& state, WindowSystem& system) {

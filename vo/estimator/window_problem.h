@@ -48,18 +48,15 @@ struct WindowProblem {
   double weight = 1.0;
   double huber = 1.0;  ///< Threshold of the loss, in standard deviations.
 
-  /// Moves a point x of the right camera's frame to x + turn x x, radians: a rotation to first
-  /// order, which is all there is to turns of a milliradian.
+  /// Of the right camera (StereoCorrection), radians.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
-  /// What the calibration says: that turn_so_far + turn is zero within this, radians. 0: the turn
-  /// is known and stays as it is.
+  /// What the calibration says: that the turn is zero within this, radians. 0: it is known and
+  /// stays as it is.
   double turn_sigma = 0.0;
-  Eigen::Vector3d turn_so_far = Eigen::Vector3d::Zero();
+  double bend = 1.0;  ///< Of StereoCorrection.
 
   const PosePrior* prior = nullptr;  ///< Of the poses and the turn, where there is one.
   std::vector<int> prior_frames;     ///< The frames that it speaks of, in its order.
-  /// The turn from the prior's linearisation point to body_from_cam.
-  Eigen::Vector3d prior_turn_so_far = Eigen::Vector3d::Zero();
 
   /// With an inertial unit, whose frame is the body's: an entry a frame. Else empty, as the next.
   std::vector<VelocityAndBias> motions;

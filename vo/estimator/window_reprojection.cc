@@ -28,7 +28,8 @@ void WindowGeometry::Set(const WindowProblem& problem, const std::vector<Rigid3>
         body_from_left.transpose();
   }
 
-  const Eigen::Matrix3d turned = Eigen::Matrix3d::Identity() + Skew(turn);
+  correction_ = {turn, problem.bend};
+  const Eigen::Matrix3d turned = correction_.Matrix();
   before_turn_ = turned.inverse();
   pairs_.resize(frames_ * frames_ * 2);
   for (std::size_t c = 0; c < 2; ++c) {
@@ -80,8 +81,8 @@ ReprojectionColumns WindowGeometry::Linearize(const WindowProblem& problem,
   const Eigen::Vector2d projected = in_cam.head<2>() * inverse_z;
   columns.residual = problem.weight * (projected - view.seen);
   const double scale = problem.weight * inverse_z;
-  const Eigen::Vector3d before_turn =
-      view.camera == 1 ? Eigen::Vector3d(before_turn_ * in_cam) : Eigen::Vector3d::Zero();
+  const Eigen::Matrix3d by_turn =
+      view.camera == 1 ? correction_.ByTurn(before_turn_ * in_cam) : Eigen::Matrix3d::Zero();
   for (int row = 0; row < 2; ++row) {
     // d residual / d point in the anchor's axes.
     const Eigen::Vector3d by_ray =
@@ -94,9 +95,8 @@ ReprojectionColumns WindowGeometry::Linearize(const WindowProblem& problem,
           by_ray.x() - point.x() * by_ray.z(), point.x() * by_ray.y() - point.y() * by_ray.x();
     }
     if (view.camera == 1) {
-      const Eigen::Vector3d by_turned =
-          scale * (Eigen::Vector3d::Unit(row) - projected(row) * Eigen::Vector3d::UnitZ());
-      columns.by_turn.col(row) = before_turn.cross(by_turned);
+      columns.by_turn.col(row) =
+          scale * (by_turn.row(row) - projected(row) * by_turn.row(2)).transpose();
     }
   }
   return columns;

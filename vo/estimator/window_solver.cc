@@ -105,8 +105,8 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
   state_.Set(problem);
   equations_.Set(problem);
   equations_.Linearize(state_);
-  double cost = equations_.cost();
-  if (!std::isfinite(cost)) {
+  cost_ = equations_.cost();
+  if (!std::isfinite(cost_)) {
     return false;
   }
   TrustRegion region;
@@ -121,7 +121,7 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
     if (equations_.Solve(region.damping()) && equations_.predicted_decrease() > 0.0) {
       MoveBy(state_, candidate_);
       candidate_cost = equations_.Cost(candidate_);
-      gain = (cost - candidate_cost) / equations_.predicted_decrease();
+      gain = (cost_ - candidate_cost) / equations_.predicted_decrease();
     }
     if (!(gain > kLeastGain)) {
       if (!region.Reject()) {
@@ -132,8 +132,8 @@ bool WindowSolver::Solve(WindowProblem& problem, const WindowSolverLimits& limit
     std::swap(state_, candidate_);
     is_linearized = false;
     region.Accept(gain);
-    const bool is_done = cost - candidate_cost < limits.least_decrease * cost;
-    cost = candidate_cost;
+    const bool is_done = cost_ - candidate_cost < limits.least_decrease * cost_;
+    cost_ = candidate_cost;
     if (is_done) {
       ++iterations_;
       break;

@@ -15,6 +15,8 @@ class WindowSolver {
   bool Solve(WindowProblem& problem, const WindowSolverLimits& limits);
   /// Of the last problem.
   int iterations() const { return iterations_; }
+  /// Half the sum of squares that is left (WindowEquations::Cost).
+  double cost() const { return cost_; }
 
  private:
   void MoveBy(const WindowState& from, WindowState& to) const;
@@ -22,6 +24,7 @@ class WindowSolver {
   WindowEquations equations_;
   WindowState state_, candidate_;
   int iterations_ = 0;
+  double cost_ = 0.0;
 };
 
 }  // namespace gluevo::vo

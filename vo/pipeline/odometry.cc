@@ -82,7 +82,7 @@ Odometry& Odometry::operator=(Odometry&& other) noexcept {
 
 std::vector<MapPoint> Odometry::MapPoints() const { return window_->MapPoints(); }
 
-const StereoRig& Odometry::rig() const { return window_->rig(); }
+StereoRig Odometry::rig() const { return window_->rig(); }
 
 FrameResult Odometry::Process(const StereoFrame& frame) {
   CheckTime(frame.timestamp_ns);
@@ -222,7 +222,7 @@ Odometry::FramePose Odometry::StartSegment(const TrackedFrame& frame) {
     ++segment_;
   }
   votes_.Clear();
-  *window_ = SlidingWindow(rig_, options_.window);
+  *window_ = SlidingWindow(rig_, options_.window, window_->calibration());
   return pose;
 }
 

@@ -42,7 +42,7 @@ std::optional<Odometry::FramePose> Odometry::LocateWithin(double noise_px,
   PnpOptions options = options_.pnp;
   options.noise_px = noise_px;
   const std::optional<PnpResult> pnp =
-      SolvePnp(window_->rig(), observations, Guesses(frame.timestamp_ns), options);
+      SolvePnp(rig_, observations, Guesses(frame.timestamp_ns), options);
   if (!pnp) {
     return std::nullopt;
   }

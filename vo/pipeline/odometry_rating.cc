@@ -17,6 +17,11 @@ void Odometry::Rate(bool is_linked, FrameResult& result) {
   } else {
     RateByMotionBefore(result);
   }
+  if (options_.window.right_turn_sigma_mrad > 0.0) {
+    const StereoCalibration& calibration = window_->calibration();
+    result.stereo_calibration = {calibration.correction.turn, calibration.turn_sigma,
+                                 calibration.correction.bend == 1.0, rig_.cameras[1].fx};
+  }
   if (result.is_keyframe) {
     keyframe_ns_ = result.timestamp_ns;
   }

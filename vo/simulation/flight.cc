@@ -39,7 +39,6 @@ Flight FlyTrajectory(const SimulationOptions& options) {
   if (flight.start_ns < 0) {
     throw Error(file + ": begins before time 0, which the names of images cannot tell");
   }
-  flight.side_margin = 3.0;
   flight.description =
       "trajectory " + options.trajectory.filename().string() + " from " + Seconds(start) + " on";
   return flight;
@@ -58,7 +57,7 @@ Flight PlanFlight(const SimulationOptions& options) {
   flight.duration_s = options.laps > 0 ? LapsEnd(options.path, options.laps)
                                        : options.duration_s.value_or(kDefaultS);
   flight.start_ns = kStartNs + std::llround(start * 1e9);
-  flight.side_margin = SideMargin(options.path);
+  flight.margins = MarginsOf(options.path);
   flight.description = "path " + options.path;
   return flight;
 }

@@ -13,9 +13,9 @@ namespace gluevo::simulation {
 struct Flight {
   SimulationPath path;  ///< Time from 0, the first image's.
   double duration_s = 0.0;
-  int64_t start_ns = 0;      ///< The data set's clock at time 0.
-  double side_margin = 0.0;  ///< Metres from the path's box to the walls of its room.
-  std::string description;   ///< For comments in files.
+  int64_t start_ns = 0;     ///< The data set's clock at time 0.
+  RoomMargins margins;      ///< Of its room.
+  std::string description;  ///< For comments in files.
 };
 
 /// The named path, or the trajectory from the start on. Throws Error for an unknown name, for a

@@ -140,23 +140,38 @@ vo::Rigid3 Planar(double time_s) {
   return {LookAlong(Direction(yaw, 0.0), 0.0), {3.4 * std::cos(phase), 2.2 * std::sin(phase), 1.2}};
 }
 
+/// A car's down a street, at 7 to 9 m/s: from one side to the other and back in 60 m.
+vo::Rigid3 Street(double time_s) {
+  constexpr double kSpeed = 8.0;
+  constexpr double kWavelength = 60.0;
+  constexpr double kSide = 1.5;
+  const double time = EasedTime(time_s, 3.0);
+  const double x = kSpeed * time + 1.5 * std::sin(0.6 * time);
+  const double phase = 2.0 * kPi * x / kWavelength;
+  const double yaw = std::atan(kSide * 2.0 * kPi / kWavelength * std::cos(phase));
+  const double pitch = 0.004 * std::sin(2.1 * time);
+  return {LookAlong(Direction(yaw, pitch), 0.004 * std::sin(1.7 * time)),
+          {x, kSide * std::sin(phase), 1.5 + 0.01 * std::sin(2.1 * time)}};
+}
+
 struct NamedPath {
   const char* name;
   vo::Rigid3 (*path)(double);
-  double side_margin;
+  RoomMargins margins;
   double lap_s;        ///< Of all laps but the first; 0: it has none.
   double first_lap_s;  ///< From rest.
 };
 
-constexpr std::array kNamedPaths = {NamedPath{"hall_loop", HallLoop, 2.6, 19.0, 20.0},
-                                    NamedPath{"figure_eight", FigureEight, 2.6, 19.0, 20.0},
-                                    NamedPath{"corridor", Corridor, 1.3, 20.0, 21.0},
-                                    NamedPath{"hover", Hover, 3.0, 0.0, 0.0},
-                                    NamedPath{"fast_yaw", FastYaw, 3.0, 0.0, 0.0},
-                                    NamedPath{"rest", Rest, 3.0, 0.0, 0.0},
-                                    NamedPath{"straight", Straight, 3.0, 0.0, 0.0},
-                                    NamedPath{"spin", Spin, 3.0, 0.0, 0.0},
-                                    NamedPath{"planar", Planar, 2.6, 19.0, 20.0}};
+constexpr std::array kNamedPaths = {NamedPath{"hall_loop", HallLoop, {2.6, 2.6}, 19.0, 20.0},
+                                    NamedPath{"figure_eight", FigureEight, {2.6, 2.6}, 19.0, 20.0},
+                                    NamedPath{"corridor", Corridor, {1.3, 1.3}, 20.0, 21.0},
+                                    NamedPath{"hover", Hover, {3.0, 3.0}, 0.0, 0.0},
+                                    NamedPath{"fast_yaw", FastYaw, {3.0, 3.0}, 0.0, 0.0},
+                                    NamedPath{"rest", Rest, {3.0, 3.0}, 0.0, 0.0},
+                                    NamedPath{"straight", Straight, {3.0, 3.0}, 0.0, 0.0},
+                                    NamedPath{"spin", Spin, {3.0, 3.0}, 0.0, 0.0},
+                                    NamedPath{"planar", Planar, {2.6, 2.6}, 19.0, 20.0},
+                                    NamedPath{"street", Street, {8.0, 200.0, 10.0}, 0.0, 0.0}};
 
 const NamedPath& Find(const std::string& name) {
   std::string known;
@@ -186,7 +201,7 @@ double LapsEnd(const std::string& name, int laps) {
   return path.first_lap_s + (laps - 1) * path.lap_s;
 }
 
-double SideMargin(const std::string& name) { return Find(name).side_margin; }
+RoomMargins MarginsOf(const std::string& name) { return Find(name).margins; }
 
 Motion MotionAt(const SimulationPath& path, double time_s) {
   constexpr double kStepS = 1e-3;

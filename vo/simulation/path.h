@@ -18,8 +18,14 @@ SimulationPath MakeSimulationPath(const std::string& name);
 /// When the named path has gone so many laps, seconds after its start: it is where it was at the
 /// end of the first, and at its beginning but for the speed. Throws Error for one without laps.
 double LapsEnd(const std::string& name, int laps);
-/// Metres from the named path's box to the walls of a room that suits it.
-double SideMargin(const std::string& name);
+/// The room that suits a path: metres from the path's box.
+struct RoomMargins {
+  double side = 3.0;   ///< To the walls.
+  double ahead = 3.0;  ///< To the wall at the end of x.
+  double above = 1.6;  ///< To the ceiling.
+};
+/// Of the named path.
+RoomMargins MarginsOf(const std::string& name);
 
 /// What an ideal inertial unit on the path would feel.
 struct Motion {

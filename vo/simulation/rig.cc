@@ -77,4 +77,12 @@ vo::StereoRig SimulationRig(int width, int height) {
   return rig;
 }
 
+vo::StereoRig WithRightTurned(const vo::StereoRig& rig, double angle) {
+  vo::StereoRig turned = rig;
+  Eigen::Quaterniond& body_from_right = turned.body_from_cam[1].rotation;
+  body_from_right =
+      body_from_right * Eigen::Quaterniond(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitY()));
+  return turned;
+}
+
 }  // namespace gluevo::simulation

@@ -200,16 +200,15 @@ bool IsFree(const SimulatedBox& box, const std::vector<SimulatedBox>& others,
 
 }  // namespace
 
-RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, double side_margin) {
+RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, const RoomMargins& margins) {
   constexpr double kAboveFloor = 1.2;
-  constexpr double kBelowCeiling = 1.6;
   RoomPlan plan{points.front(), points.front()};
   for (const Eigen::Vector3d& point : points) {
     plan.low = plan.low.cwiseMin(point);
     plan.high = plan.high.cwiseMax(point);
   }
-  plan.low -= Eigen::Vector3d(side_margin, side_margin, kAboveFloor);
-  plan.high += Eigen::Vector3d(side_margin, side_margin, kBelowCeiling);
+  plan.low -= Eigen::Vector3d(margins.side, margins.side, kAboveFloor);
+  plan.high += Eigen::Vector3d(margins.ahead, margins.side, margins.above);
   return plan;
 }
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "path.h"
 #include "seen.h"
 #include "world.h"
 
@@ -16,9 +17,8 @@ struct RoomPlan {
   Eigen::Vector3d high;
 };
 
-/// A room around the points: `side_margin` metres to the walls, 1.2 m to the floor and 1.6 m to the
-/// ceiling.
-RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, double side_margin);
+/// A room around the points, 1.2 m above its floor.
+RoomPlan PlanRoom(const std::vector<Eigen::Vector3d>& points, const RoomMargins& margins);
 
 struct RoomStyle {
   double texel_m = 0.005;      ///< Of walls, floor and ceiling.

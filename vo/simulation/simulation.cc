@@ -145,6 +145,8 @@ void SimulationOptions::Validate() const {
         "the rate of a simulation must be above 0 and at most 200 Hz (--rate)");
   check(width >= 64 && width <= 4096 && height >= 64 && height <= 4096,
         "the sides of simulated images must be 64 to 4096 pixels (--width, --height)");
+  check(std::abs(calibration_error_mrad) <= 10.0,
+        "the calibration's error must be -10 to 10 milliradians (--calibration-error)");
   image.Validate();
   check(movers >= 0 && movers <= 1000, "the number of movers must be 0 to 1000 (--movers)");
   check(
@@ -175,9 +177,10 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   std::vector<int64_t> times(pairs);
   for (int i = 0; i < pairs; ++i) times[i] = TimeNs(i, options.rate_hz);
   const std::vector<int64_t> stamps = OnClock(times, flight.start_ns);
+  const vo::StereoRig calibrated = WithRightTurned(rig, 1e-3 * options.calibration_error_mrad);
   for (int camera = 0; camera < 2; ++camera) {
     const std::filesystem::path folder = mav / ("cam" + std::to_string(camera));
-    WriteAslCamera(folder / "sensor.yaml", rig, camera, options.rate_hz,
+    WriteAslCamera(folder / "sensor.yaml", calibrated, camera, options.rate_hz,
                    "made by gluevo simulate: " + flight.description + ", seed " +
                        std::to_string(options.seed));
     WriteAslImageList(folder / "data.csv", stamps);
@@ -189,7 +192,7 @@ void Simulate(const SimulationOptions& options, const std::filesystem::path& dir
   style.texel_m = std::clamp(2.0 / rig.cameras[0].fx, 0.002, 0.02);
   style.box_texel_m = 0.6 * style.texel_m;
   const std::vector<Eigen::Vector3d> points = FlightPoints(flight);
-  RoomPlan plan = PlanRoom(points, flight.side_margin);
+  RoomPlan plan = PlanRoom(points, flight.margins);
   if (options.twins) {
     constexpr double kTwinM = 6.0;
     style.twin_m = kTwinM;

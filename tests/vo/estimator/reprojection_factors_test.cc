@@ -113,7 +113,7 @@ TEST(ReprojectionFactors, ResidualIsTheWeightedError) {
 }
 
 TEST(ReprojectionFactors, JacobiansMatchCentralDifferences) {
-  for (const double depth : {0.8, 4.0, 300.0}) {
+  for (const auto& [depth, bend] : {std::pair(0.8, 1.0), {4.0, 0.0}, {4.0, 1.0}, {300.0, 0.5}}) {
     Scene scene;
     scene.depth = depth;
     scene.turn = {0.02, -0.01, 0.03};  // Far more than a calibration errs.
@@ -121,12 +121,13 @@ TEST(ReprojectionFactors, JacobiansMatchCentralDifferences) {
       SCOPED_TRACE(::testing::Message() << "depth " << depth << " camera " << camera);
       ExpectJacobiansMatch(
           OtherFrameReprojection(scene.rig.body_from_cam[0], scene.rig.body_from_cam[camera],
-                                 {0.3, 0.1}, kWeight),
+                                 {0.3, 0.1}, kWeight, bend),
           scene.Parameters());
     }
-    ExpectJacobiansMatch(SameFrameReprojection(scene.rig.right_from_left(), {0.3, 0.1}, kWeight),
-                         {scene.Landmark(), scene.turn});
-    ExpectJacobiansMatch(SameFrameReprojection({}, {0.3, 0.1}, kWeight),
+    ExpectJacobiansMatch(
+        SameFrameReprojection(scene.rig.right_from_left(), {0.3, 0.1}, kWeight, bend),
+        {scene.Landmark(), scene.turn});
+    ExpectJacobiansMatch(SameFrameReprojection({}, {0.3, 0.1}, kWeight, bend),
                          {scene.Landmark(), scene.turn});
   }
 }

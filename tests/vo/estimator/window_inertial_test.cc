@@ -385,7 +385,7 @@ TEST(WindowInertialTest, FirstEstimatesLeavePlaceAndTurnOfTheWorldFree) {
     marginalizer.AddPrior(prior);
     gravity.turn += Eigen::Vector2d(0.003, -0.002);
     const Eigen::VectorXd delta = linearization.Delta(
-        {present[0].world_from_body, present[1].world_from_body}, linearization.body_from_right,
+        {present[0].world_from_body, present[1].world_from_body}, linearization.turn,
         {motion_of(present[0]), motion_of(present[1])}, gravity.turn);
     AddMeasured(scene.factors[static_cast<std::size_t>(i)], present, gravity, std::nullopt, delta,
                 marginalizer);

@@ -28,7 +28,7 @@ inline WindowProblem MakeWindowProblem(std::uint64_t seed, double outlier_share)
   problem.body_from_cam = rig.body_from_cam;
   problem.weight = 460.0 / 0.5;
   problem.turn_sigma = 5e-4;
-  problem.turn_so_far = {1e-4, -2e-4, 5e-5};
+  problem.turn = {1e-4, -2e-4, 5e-5};
   for (int i = 0; i < kWindowFrames; ++i) {
     PoseTangent error;
     error << UniformVector(generator, 0.02), UniformVector(generator, 0.005);
@@ -72,6 +72,7 @@ inline PosePrior MakePrior(const WindowProblem& problem) {
     value = Uniform(generator, -30.0, 30.0);
   }
   prior.residual = Eigen::VectorXd::Constant(21, 0.3);
+  prior.turn = {2e-4, -3e-4, 5e-5};
   for (int i = 0; i < 3; ++i) {
     PoseTangent step;
     step << UniformVector(generator, 0.01), UniformVector(generator, 0.05);
@@ -84,7 +85,6 @@ inline PosePrior MakePrior(const WindowProblem& problem) {
 inline void SetPrior(const PosePrior& prior, WindowProblem& problem) {
   problem.prior = &prior;
   problem.prior_frames = {0, 1, 2};
-  problem.prior_turn_so_far = {-1e-4, 1e-4, 0.0};
 }
 
 }  // namespace gluevo::vo::testing

@@ -27,7 +27,7 @@ WindowProblem Solved(std::uint64_t seed, double turn_sigma) {
   WindowProblem problem = testing::MakeWindowProblem(seed, 0.0);
   problem.huber = std::numeric_limits<double>::max();
   problem.turn_sigma = turn_sigma;
-  problem.turn_so_far.setZero();
+  problem.turn.setZero();
   EXPECT_TRUE(WindowSolver().Solve(problem, {.max_iterations = 50, .least_decrease = 1e-12}));
   return problem;
 }

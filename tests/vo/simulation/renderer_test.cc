@@ -140,7 +140,8 @@ class HallTest : public ::testing::Test {
   HallTest()
       : rig_(SimulationRig(752, 480)),
         path_(MakeSimulationPath("hall_loop")),
-        world_(MakeRoom(7, PlanRoom(PathPoints(), 2.6), PathPoints(), RoomStyle{0.02, 0.02}, 2)) {}
+        world_(MakeRoom(7, PlanRoom(PathPoints(), {2.6, 2.6}), PathPoints(), RoomStyle{0.02, 0.02},
+                        2)) {}
 
   std::vector<Eigen::Vector3d> PathPoints() const {
     constexpr int kSteps = 420;
@@ -277,7 +278,7 @@ TEST_F(HallTest, PathKeepsClearOfEverything) {
 
 TEST_F(HallTest, EveryViewHasCornersAllOver) {
   const SimulatedWorld world =
-      MakeRoom(7, PlanRoom(PathPoints(), 2.6), PathPoints(), RoomStyle{0.004, 0.004}, 2);
+      MakeRoom(7, PlanRoom(PathPoints(), {2.6, 2.6}), PathPoints(), RoomStyle{0.004, 0.004}, 2);
   const Renderer renderer(rig_, 2);
   const Sensor sensor((ImageOptions()));
   for (const double time : {0.0, 4.0, 8.0, 12.0, 16.0}) {

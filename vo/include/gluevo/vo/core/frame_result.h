@@ -8,6 +8,7 @@
 #include "gluevo/vo/core/inertial_estimate.h"
 #include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
+#include "gluevo/vo/core/stereo_calibration_estimate.h"
 #include "gluevo/vo/core/tracked_frame.h"
 
 namespace gluevo::vo {
@@ -44,6 +45,8 @@ struct FrameResult {
   PoseCovariance path_covariance = PoseCovariance::Zero();
   /// Once an inertial unit has started, of frames that were located.
   std::optional<InertialEstimate> inertial;
+  /// Where it is refined, of frames that were located.
+  std::optional<StereoCalibrationEstimate> stereo_calibration;
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).

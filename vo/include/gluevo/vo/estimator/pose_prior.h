@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,9 +32,9 @@ struct PosePrior {
 
   std::vector<int64_t> frame_ids;  ///< Increasing.
   std::vector<Rigid3> world_from_body;
-  Eigen::Quaterniond body_from_right = Eigen::Quaterniond::Identity();
-  Eigen::MatrixXd jacobian;  ///< Rows x Columns(); residuals have no unit.
-  Eigen::VectorXd residual;  ///< r0.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< Of StereoCorrection.
+  Eigen::MatrixXd jacobian;                        ///< Rows x Columns(); residuals have no unit.
+  Eigen::VectorXd residual;                        ///< r0.
   /// With an inertial unit, of the first frames, as many as there are: of the oldest alone once it
   /// is the frame that measurements lead to. Velocity, then biases (VelocityAndBias).
   std::vector<VelocityAndBias> motions = {};
@@ -56,8 +55,7 @@ struct PosePrior {
   std::optional<std::size_t> Find(int64_t frame_id) const;
   /// dx: the given state's distance from the linearisation point. Of more motions than the prior
   /// has the first ones count.
-  Eigen::VectorXd Delta(const std::vector<Rigid3>& world_from_body,
-                        const Eigen::Quaterniond& body_from_right,
+  Eigen::VectorXd Delta(const std::vector<Rigid3>& world_from_body, const Eigen::Vector3d& turn,
                         const std::vector<VelocityAndBias>& motions = {},
                         const Eigen::Vector2d& gravity_turn = Eigen::Vector2d::Zero(),
                         const std::optional<double>& time_offset_s = std::nullopt) const;
@@ -65,11 +63,6 @@ struct PosePrior {
 
 /// The prior on the other poses when one of its frames is eliminated.
 PosePrior WithoutFrame(const PosePrior& prior, int64_t frame_id);
-
-/// The distance of a right camera's orientation from another as a turn: the rotation vector of
-/// right_from_right_before.
-Eigen::Vector3d TurnBetween(const Eigen::Quaterniond& body_from_right_before,
-                            const Eigen::Quaterniond& body_from_right);
 
 /// Gathers linearised measurements of poses and the turn, and gives what they say once some of the
 /// poses are eliminated.

@@ -16,6 +16,7 @@
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/estimator/pose_prior.h"
 #include "gluevo/vo/estimator/sliding_window_options.h"
+#include "gluevo/vo/estimator/stereo_calibration.h"
 #include "gluevo/vo/estimator/views_noise.h"
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
@@ -27,6 +28,7 @@
 namespace gluevo::vo {
 
 struct WindowProblem;
+struct WindowSolverLimits;
 
 /// Poses and landmarks of the newest frames, estimated together (Qin et al. 2018, section VI); once
 /// an inertial unit has started their velocities, its biases and gravity, too. Landmarks are known
@@ -34,14 +36,18 @@ struct WindowProblem;
 /// that sees them. The oldest pose stays fixed: it is the gauge.
 class SlidingWindow {
  public:
-  SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options);
+  /// `so_far`: what earlier windows of the same rig found.
+  SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options,
+                const StereoCalibration& so_far = {});
   ~SlidingWindow();
   SlidingWindow(SlidingWindow&&) noexcept;
   SlidingWindow& operator=(SlidingWindow&&) noexcept;
 
   bool empty() const { return frames_.empty(); }
-  /// The rig with the right camera's refined orientation.
-  const StereoRig& rig() const { return rig_; }
+  /// The rig with the right camera turned as calibration() says.
+  StereoRig rig() const;
+  /// As the last Optimize() has it, its sigma as the last MotionSinceKeyframe().
+  const StereoCalibration& calibration() const { return calibration_; }
   int64_t oldest_timestamp_ns() const { return frames_.front().timestamp_ns; }
   /// The newest frame's. The window must not be empty.
   const Rigid3& world_from_body() const { return frames_.back().world_from_body; }
@@ -173,6 +179,8 @@ class SlidingWindow {
   void AddInertiaToProblem();
   static bool IsAdjusted(const Landmark& landmark);
   void AddToProblem(const Landmark& landmark);
+  /// Asks the views of the problem that was solved whether the right camera is turned.
+  void WeighBend(const WindowSolverLimits& limits);
   /// Takes over what came out of bundle adjustment.
   void TakeOver(const WindowProblem& problem);
   /// Puts into the prior what the landmarks say that are anchored in the oldest frame and no longer
@@ -197,8 +205,8 @@ class SlidingWindow {
   void DropFrame(std::size_t index);
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
-  StereoRig rig_;
-  Eigen::Quaterniond calibrated_body_from_right_;
+  StereoRig calibrated_rig_;
+  StereoCalibration calibration_;
   SlidingWindowOptions options_;
   std::deque<Frame> frames_;
   Landmarks landmarks_;  // by a number of their own: a track may have had several

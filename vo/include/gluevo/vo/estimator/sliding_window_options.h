@@ -40,7 +40,7 @@ struct SlidingWindowOptions {
   /// 0 keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
   /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
   /// much the same in the next, so that many frames agree on more than they know.
-  double right_turn_sigma_mrad = 0.05;
+  double right_turn_sigma_mrad = 0.5;
   /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
   bool marginalize = true;
   TriangulationOptions triangulation;

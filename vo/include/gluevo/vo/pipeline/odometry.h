@@ -56,7 +56,7 @@ class Odometry {
   /// The landmarks of the window that have a depth, as they are known after the last frame.
   std::vector<MapPoint> MapPoints() const;
   /// The rig with the right camera's orientation as the window refined it.
-  const StereoRig& rig() const;
+  StereoRig rig() const;
 
  private:
   struct FramePose;

@@ -65,6 +65,9 @@ struct SimulationOptions {
   /// (N x 2, where the next left image does), in pixels, -1 -1 where it is outside the image or
   /// hidden.
   bool correspondences = false;
+  /// The data set's calibration has the right camera turned by so many milliradians about its own y
+  /// axis against what is rendered: what wears off a calibration.
+  double calibration_error_mrad = 0.0;
   /// Every six metres along x the room looks the same, but for its two end walls: places that look
   /// alike and are others.
   bool twins = false;
@@ -85,6 +88,9 @@ struct SimulationOptions {
 
 /// The names of the paths that can be flown.
 std::vector<std::string> SimulationPaths();
+
+/// The rig with its right camera turned about its own y axis, radians.
+vo::StereoRig WithRightTurned(const vo::StereoRig& rig, double angle);
 
 /// The stereo rig of EuRoC's recordings (Burri et al. 2016: intrinsics, radial-tangential
 /// distortion and extrinsics of the Vicon rooms), scaled to images of width x height pixels: focal

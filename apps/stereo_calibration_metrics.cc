@@ -1,0 +1,66 @@
+#include "stereo_calibration_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace gluevo::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Estimate = vo::StereoCalibrationEstimate;
+
+const Estimate* NewestEstimate(const std::vector<vo::FrameResult>& frames) {
+  const auto frame = std::find_if(frames.rbegin(), frames.rend(), [](const vo::FrameResult& one) {
+    return one.stereo_calibration.has_value();
+  });
+  return frame == frames.rend() ? nullptr : &*frame->stereo_calibration;
+}
+
+Json Milli(const Eigen::Vector3d& radians) {
+  return {1e3 * radians.x(), 1e3 * radians.y(), 1e3 * radians.z()};
+}
+
+}  // namespace
+
+Json StereoCalibrationJson(const std::vector<vo::FrameResult>& frames) {
+  const Estimate* const estimate = NewestEstimate(frames);
+  if (estimate == nullptr) {
+    return nullptr;
+  }
+  return {{"turn_mrad", Milli(estimate->turn)},
+          {"turn_sigma_mrad", Milli(estimate->turn_sigma)},
+          {"right_image_off_px",
+           {estimate->focal_px * estimate->turn.y(), -estimate->focal_px * estimate->turn.x()}},
+          {"right_image_off_sigma_px",
+           {estimate->focal_px * estimate->turn_sigma.y(),
+            estimate->focal_px * estimate->turn_sigma.x()}},
+          {"moved", estimate->is_turned ? "camera" : "image"}};
+}
+
+std::string TextOfStereoCalibration(const std::vector<vo::FrameResult>& frames) {
+  constexpr double kLeastPx = 0.1;
+  constexpr double kSigmas = 3.0;
+  const Estimate* const estimate = NewestEstimate(frames);
+  if (estimate == nullptr) {
+    return "";
+  }
+  const auto is_off = [&](int axis) {
+    return std::abs(estimate->turn[axis]) >
+           std::max(kLeastPx / estimate->focal_px, kSigmas * estimate->turn_sigma[axis]);
+  };
+  if (!is_off(0) && !is_off(1)) {
+    return "";
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(2) << "The stereo calibration is off, and corrected: the "
+       << "right image lies " << estimate->focal_px * estimate->turn.y() << " px (sigma "
+       << estimate->focal_px * estimate->turn_sigma.y() << ") to the right and "
+       << -estimate->focal_px * estimate->turn.x() << " px (sigma "
+       << estimate->focal_px * estimate->turn_sigma.x() << ") below where it should";
+  return text.str();
+}
+
+}  // namespace gluevo::apps

@@ -1,0 +1,26 @@
+#include "gluevo/vo/geometry/stereo_correction.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "gluevo/vo/geometry/manifold.h"
+
+namespace gluevo::vo {
+
+Eigen::Matrix3d StereoCorrection::Matrix() const {
+  Eigen::Matrix3d moves = Skew(turn);
+  moves.row(2) *= bend;
+  return Eigen::Matrix3d::Identity() + moves;
+}
+
+Eigen::Matrix3d StereoCorrection::ByTurn(const Eigen::Vector3d& point) const {
+  Eigen::Matrix3d by_turn = -Skew(point);
+  by_turn.row(2) *= bend;
+  return by_turn;
+}
+
+Eigen::Vector2d StereoCorrection::Undo(const Eigen::Vector2d& seen) const {
+  return (Matrix().inverse() * seen.homogeneous()).hnormalized();
+}
+
+}  // namespace gluevo::vo
