@@ -27,12 +27,16 @@ void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
     const auto last_keyframe = std::find_if(std::next(frames_.rbegin()), frames_.rend(),
                                             [](const Frame& frame) { return frame.is_keyframe; });
     newest.is_keyframe =
-        last_keyframe == frames_.rend() || MeanParallax(last_keyframe->id, newest.id) >=
-                                               FromReferencePx(options_.keyframe_parallax_px);
+        last_keyframe == frames_.rend() ||
+        MeanParallax(*last_keyframe, newest) >= FromReferencePx(options_.keyframe_parallax_px);
   }
 }
 
-double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
+double SlidingWindow::MeanParallax(const Frame& before, const Frame& now) const {
+  const Eigen::Quaterniond& body_from_left = calibrated_rig_.body_from_cam[0].rotation;
+  const Eigen::Quaterniond now_from_before =
+      (now.world_from_body.rotation * body_from_left).conjugate() *
+      (before.world_from_body.rotation * body_from_left);
   double sum = 0.0;
   int count = 0;
   for (const auto& [id, landmark] : landmarks_) {
@@ -42,10 +46,11 @@ double SlidingWindow::MeanParallax(int64_t frame_id0, int64_t frame_id1) const {
         return view.frame_id == frame_id;
       });
     };
-    const auto view0 = see(frame_id0);
-    const auto view1 = see(frame_id1);
-    if (view0 != views.end() && view1 != views.end()) {
-      sum += (view1->left - view0->left).norm();
+    const auto view_before = see(before.id);
+    const auto view_now = see(now.id);
+    if (view_before != views.end() && view_now != views.end()) {
+      const Eigen::Vector3d turned = now_from_before * view_before->left.homogeneous();
+      sum += (view_now->left - turned.hnormalized()).norm();
       ++count;
     }
   }

@@ -20,7 +20,7 @@ TEST(Presets, DrivingIsVinsFusionsForKitti) {
   EXPECT_EQ(driving.odometry.window.keyframe_parallax_px, 15.0);
   const OdometryConfig euroc = PresetConfig("euroc");
   EXPECT_EQ(euroc.frontend.klt.max_corners, 150);
-  EXPECT_EQ(euroc.odometry.window.keyframe_parallax_px, 10.0);
+  EXPECT_EQ(euroc.odometry.window.keyframe_parallax_px, 7.0);
 }
 
 TEST(Presets, AreValidForEachMethod) {

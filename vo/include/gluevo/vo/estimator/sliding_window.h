@@ -169,7 +169,9 @@ class SlidingWindow {
   AnchoredPoint ToAnchoredPoint(const Landmark& landmark) const;
   double InverseDepthSigma(const Landmark& landmark, double noise) const;
   void DecideKeyframe(std::size_t new_tracks);
-  double MeanParallax(int64_t frame_id0, int64_t frame_id1) const;
+  /// How far landmarks that both frames see have moved, on the normalised plane, once the rig's
+  /// turn is taken out, which tells nothing of depths.
+  double MeanParallax(const Frame& before, const Frame& now) const;
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;

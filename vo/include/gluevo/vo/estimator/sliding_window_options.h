@@ -26,8 +26,8 @@ struct SlidingWindowOptions {
   /// are dropped.
   double max_mean_error_px = 3.0;
   /// A frame is a key frame when its tracks have moved this much, on average, since the last key
-  /// frame (pixels of kReferenceFocalPx) ...
-  double keyframe_parallax_px = 10.0;
+  /// frame, the rig's turn left out (pixels of kReferenceFocalPx) ...
+  double keyframe_parallax_px = 7.0;
   /// ... or fewer tracks than this were followed ...
   int min_tracked = 20;
   /// ... or fewer than this were followed that have at least `long_track` observations ...
@@ -35,11 +35,9 @@ struct SlidingWindowOptions {
   int long_track = 4;
   /// ... or there are more new tracks than this times those that were followed.
   double max_new_share = 0.5;
-  /// How well the calibration knows the right camera's orientation in the rig: standard deviation
-  /// on each axis, milliradians. Within it the orientation is refined with each bundle adjustment;
-  /// 0 keeps it fixed. A third of a pixel of rectification error, as KITTI's has, makes distances
-  /// wrong by a percent. Tighter than such an error on purpose: a keypoint's error in one frame is
-  /// much the same in the next, so that many frames agree on more than they know.
+  /// How well the calibration knows how the right camera sees (StereoCorrection): standard
+  /// deviation on each axis, milliradians. Within it that is refined with each bundle adjustment; 0
+  /// keeps it fixed. A third of a pixel, as KITTI's is off, makes distances wrong by a percent.
   double right_turn_sigma_mrad = 0.5;
   /// Whether a dropped key frame leaves what it knew of the others' poses as a prior.
   bool marginalize = true;
