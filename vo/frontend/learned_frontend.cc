@@ -73,7 +73,10 @@ std::optional<TrackedFrame> LearnedFrontEnd::Retry() {
   return Observe();
 }
 
-void LearnedFrontEnd::Accept(const FrameOutcome& outcome) { outcome_ = outcome; }
+void LearnedFrontEnd::Accept(const FrameOutcome& outcome) {
+  outcome_ = outcome;
+  expected_.reset();
+}
 
 void LearnedFrontEnd::Advance() {
   if (outcome_.starts_segment) {

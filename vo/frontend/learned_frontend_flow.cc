@@ -4,6 +4,7 @@
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/frontend/learned_frontend.h"
 #include "keypoint_pixel.h"
+#include "view_guesses.h"
 
 // What optical flow does for Method 2: keypoints below the pixel, a second opinion on matches, and
 // tracks through frames on which no network runs.
@@ -16,19 +17,6 @@ bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
 }
 
 }  // namespace
-
-Flow LearnedFrontEnd::FollowFinely(const std::vector<cv::Point2f>& pixels,
-                                   const std::vector<cv::Point2f>& guesses) const {
-  const Flow coarse =
-      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following);
-  Flow fine =
-      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, coarse.pixels, options_.refinement);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    fine.found[i] = coarse.found[i] != 0 && fine.found[i] != 0 &&
-                    IsWithin(fine.pixels[i], coarse.pixels[i], options_.max_refinement_px);
-  }
-  return fine;
-}
 
 void LearnedFrontEnd::MakePyramids() {
   const bool follows = options_.network_every > 1;
@@ -59,11 +47,27 @@ bool LearnedFrontEnd::FollowTracks() {
             [](const TrackedPoint& a, const TrackedPoint& b) { return a.id < b.id; });
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
+  std::vector<int64_t> ids;
   for (const TrackedPoint& track : tracks) {
     pixels.push_back(track.left);
     guesses.push_back(track.left + track.motion);
+    ids.push_back(track.id);
   }
-  const Flow flow = FollowFinely(pixels, guesses);
+  const auto follow = [&] {
+    return FollowFinely(
+        previous_pyramid_, pyramids_[0], pixels,
+        FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following),
+        options_.refinement, options_.max_refinement_px);
+  };
+  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
+  const auto finds_few = [&](const Flow& found) {
+    return static_cast<double>(std::count(found.found.begin(), found.found.end(), 1)) < fewest;
+  };
+  Flow flow = follow();
+  if (finds_few(flow) && expected_ && !expected_->pixels.empty()) {
+    guesses = GuessByView(*expected_, rig_.cameras[0], ids, pixels);
+    flow = follow();
+  }
   std::vector<TrackedPoint> followed;
   pixels.clear();
   guesses.clear();
@@ -84,8 +88,7 @@ bool LearnedFrontEnd::FollowTracks() {
     track.tracking_confidence = 1.0F;
     followed.push_back(track);
   }
-  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
-  if (static_cast<double>(followed.size()) < fewest) {
+  if (finds_few(flow)) {
     stages_ms_["flow"] += watch.Lap();
     return false;
   }

@@ -91,6 +91,7 @@ std::optional<InertialStart> InertialNavigation::Try(const StampedPose& world_fr
   constexpr double kLongestS = 10.0;
   constexpr std::size_t kFewest = 12;
   frames_.push_back(world_from_body);
+  LearnTurn();
   const int64_t now_ns = world_from_body.timestamp_ns;
   while (frames_.size() > kFewest &&
          SecondsBetween(frames_.front().timestamp_ns, now_ns) > kLongestS) {

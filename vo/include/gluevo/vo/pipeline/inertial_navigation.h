@@ -1,6 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -36,6 +39,13 @@ class InertialNavigation {
   /// A frame that was located, while the unit has not started: a start that the frames so far bear
   /// out.
   std::optional<InertialStart> Try(const StampedPose& world_from_body);
+  /// How the body turned between two times by the gyroscope alone (begin_from_end), with the bias
+  /// of the frames so far; nothing where readings are missing, and where the frames' turns do not
+  /// agree with them. Good enough to look for what was seen before, whether the unit has started or
+  /// not.
+  std::optional<Eigen::Quaterniond> Turn(int64_t begin_ns, int64_t end_ns) const;
+  /// A bias that is known otherwise, rad/s.
+  void LearnBias(const Eigen::Vector3d& gyroscope_bias);
   /// The frames before have nothing to do with those that come: it has to start again.
   void Restart();
   /// Mean squares of residuals (in shares of their variances) of a frame's readings, once it has
@@ -69,6 +79,8 @@ class InertialNavigation {
     bool Watch(double of_frame);
   };
 
+  /// Of the turn between the last two frames.
+  void LearnTurn();
   std::optional<InertialStart> TryAtRest();
   std::optional<InertialStart> TryInMotion();
   bool ImagesAreStill() const;
@@ -79,7 +91,8 @@ class InertialNavigation {
   ImuNoise noise_;
   InertialOptions options_;
   ImuReadings readings_;
-  Trajectory frames_;  // Located ones, of the last seconds.
+  std::deque<Eigen::Vector3d> biases_;  // The gyroscope's, of turns of late, rad/s.
+  Trajectory frames_;                   // Located ones, of the last seconds.
   int64_t tried_ns_ = 0;
   Sensor gyroscope_, accelerometer_;
   ClockWatch clock_;
