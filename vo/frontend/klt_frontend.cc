@@ -64,7 +64,10 @@ KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
 }
 
 TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
+  // Of a frame that is refused nothing stays.
+  std::optional<ExpectedView> expected = std::exchange(expected_, std::nullopt);
   CheckImages(frame, rig_);
+  expected_ = std::move(expected);
   Stopwatch watch;
   std::swap(left_, last_left_);
   RemakePyramid(frame.images[0], options_.window, options_.levels, left_);

@@ -44,7 +44,10 @@ LearnedFrontEnd::LearnedFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureEx
 }
 
 TrackedFrame LearnedFrontEnd::Track(const StereoFrame& frame) {
+  // Of a frame that is refused nothing stays.
+  std::optional<ExpectedView> expected = std::exchange(expected_, std::nullopt);
   CheckImages(frame, rig_);
+  expected_ = std::move(expected);
   Advance();
   frame_ = frame;
   MakePyramids();

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "gluevo/nn/error.h"
 #include "gluevo/vo/core/expected_view.h"
 #include "gluevo/vo/frontend/freeze_guard.h"
 #include "gluevo/vo/frontend/klt_frontend.h"
@@ -171,6 +172,26 @@ TEST_F(ExpectedViewTest, WhatWasWronglyExpectedIsForgottenWhenItFails) {
     }
   }
   EXPECT_GT(same, 20);
+}
+
+TEST_F(ExpectedViewTest, WhatWasExpectedOfARefusedImageIsForgotten) {
+  const StereoRig rig = LargerRig();
+  const StereoFrame before = Seen(rig, 1, Eigen::Quaterniond::Identity());
+  const StereoFrame after = Seen(rig, 2, Turn(1.0, {0.0, 1.0, 0.0}));
+  KltFrontEnd told(rig, {.min_distance = 12});
+  KltFrontEnd alone(rig, {.min_distance = 12});
+  for (KltFrontEnd* const frontend : {&told, &alone}) {
+    frontend->Track(before);
+    frontend->Accept({});
+  }
+  told.Expect({.now_from_last = Turn(60.0, {0.0, 0.0, 1.0}), .pixels = {}});
+  EXPECT_THROW(told.Track({2, {cv::Mat(), cv::Mat()}}), Error);
+  const TrackedFrame there = told.Track(after);
+  const TrackedFrame here = alone.Track(after);
+  ASSERT_EQ(there.observations.size(), here.observations.size());
+  for (std::size_t i = 0; i < here.observations.size(); ++i) {
+    EXPECT_EQ(there.observations[i].left_pixel, here.observations[i].left_pixel);
+  }
 }
 
 // Keeps what it is told.
