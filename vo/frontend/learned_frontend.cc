@@ -44,10 +44,7 @@ LearnedFrontEnd::LearnedFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureEx
 }
 
 TrackedFrame LearnedFrontEnd::Track(const StereoFrame& frame) {
-  // Of a frame that is refused nothing stays.
-  std::optional<ExpectedView> expected = std::exchange(expected_, std::nullopt);
   CheckImages(frame, rig_);
-  expected_ = std::move(expected);
   Advance();
   frame_ = frame;
   MakePyramids();
@@ -76,10 +73,7 @@ std::optional<TrackedFrame> LearnedFrontEnd::Retry() {
   return Observe();
 }
 
-void LearnedFrontEnd::Accept(const FrameOutcome& outcome) {
-  outcome_ = outcome;
-  expected_.reset();
-}
+void LearnedFrontEnd::Accept(const FrameOutcome& outcome) { outcome_ = outcome; }
 
 void LearnedFrontEnd::Advance() {
   if (outcome_.starts_segment) {

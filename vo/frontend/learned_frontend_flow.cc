@@ -4,7 +4,6 @@
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/frontend/learned_frontend.h"
 #include "keypoint_pixel.h"
-#include "view_guesses.h"
 
 // What optical flow does for Method 2: keypoints below the pixel, a second opinion on matches, and
 // tracks through frames on which no network runs.
@@ -47,27 +46,14 @@ bool LearnedFrontEnd::FollowTracks() {
             [](const TrackedPoint& a, const TrackedPoint& b) { return a.id < b.id; });
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
-  std::vector<int64_t> ids;
   for (const TrackedPoint& track : tracks) {
     pixels.push_back(track.left);
     guesses.push_back(track.left + track.motion);
-    ids.push_back(track.id);
   }
-  const auto follow = [&] {
-    return FollowFinely(
-        previous_pyramid_, pyramids_[0], pixels,
-        FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following),
-        options_.refinement, options_.max_refinement_px);
-  };
-  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
-  const auto finds_few = [&](const Flow& found) {
-    return static_cast<double>(std::count(found.found.begin(), found.found.end(), 1)) < fewest;
-  };
-  Flow flow = follow();
-  if (finds_few(flow) && expected_ && !expected_->pixels.empty()) {
-    guesses = GuessByView(*expected_, rig_.cameras[0], ids, pixels);
-    flow = follow();
-  }
+  const Flow flow = FollowFinely(
+      previous_pyramid_, pyramids_[0], pixels,
+      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following),
+      options_.refinement, options_.max_refinement_px);
   std::vector<TrackedPoint> followed;
   pixels.clear();
   guesses.clear();
@@ -88,7 +74,8 @@ bool LearnedFrontEnd::FollowTracks() {
     track.tracking_confidence = 1.0F;
     followed.push_back(track);
   }
-  if (finds_few(flow)) {
+  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
+  if (static_cast<double>(followed.size()) < fewest) {
     stages_ms_["flow"] += watch.Lap();
     return false;
   }

@@ -105,6 +105,7 @@ void Odometry::HeedContradictions(bool is_located, const FrameResult& result) {
   if (is_located && contradictions_ >= kMostContradictions) {
     window_->StopInertia();
     navigation_->Restart();
+    navigation_->Forget();
     expected_.reset();
   }
   if (is_located) {
@@ -136,8 +137,8 @@ void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
     if (window_->inertial_covariance()) {
       const SlidingWindow::InertialMisfit misfit = window_->Misfit();
       navigation_->Watch(misfit.gyroscope, misfit.accelerometer);
-      navigation_->LearnBias(window_->state().bias.gyroscope);
       result.inertial = DescribeInertia();
+      navigation_->Keep(result.timestamp_ns, result.world_from_body.rotation, *result.inertial);
     }
     if (window_->time_offset_s()) {
       navigation_->FollowTimeOffset(*window_->time_offset_s(), window_->time_offset_sigma_s());

@@ -70,7 +70,6 @@ class LearnedFrontEnd : public FrontEnd {
                   std::unique_ptr<Matcher> matcher, std::unique_ptr<Matcher> fallback,
                   const LearnedFrontEndOptions& options);
 
-  void Expect(const ExpectedView& view) override { expected_ = view; }
   TrackedFrame Track(const StereoFrame& frame) override;
   /// Runs the networks where optical flow was relied on; then the fallback from the previous frame;
   /// then matcher and fallback from each key frame, the newest first.
@@ -138,7 +137,6 @@ class LearnedFrontEnd : public FrontEnd {
   std::array<Pyramid, 2> pyramids_;
   std::vector<TrackedPoint> tracks_;    // Where the networks ran one a keypoint of view_.
   std::shared_ptr<KeypointView> view_;  // Absent where only optical flow was run.
-  std::optional<ExpectedView> expected_;
   nn::Features right_features_;
   nn::Matches stereo_;  // From view_ to them.
   std::map<std::string, double> stages_ms_;
