@@ -45,8 +45,8 @@ std::optional<InertialStart> InertialNavigation::TryKept() {
   const Preintegration since = readings_.Between(kept.timestamp_ns, now.timestamp_ns, bias);
   InertialStart start;
   start.bias = bias;
-  start.gravity_in_world = now.world_from_body.rotation *
-                           (since.motion.rotation.conjugate() * kept.gravity_in_body);
+  start.gravity_in_world =
+      now.world_from_body.rotation * (since.motion.rotation.conjugate() * kept.gravity_in_body);
   start.gravity_sigma = std::sqrt(
       Square(kept.estimate.gravity_sigma) + Square(seconds * kept.estimate.gyroscope_bias_sigma) +
       Square(WorstSigma(since.covariance.block<3, 3>(kRotation, kRotation))));
@@ -54,8 +54,8 @@ std::optional<InertialStart> InertialNavigation::TryKept() {
     return std::nullopt;
   }
   const ImuNoise& noise = readings_.noise();
-  const double gyroscope = Square(kept.estimate.gyroscope_bias_sigma) +
-                           Square(noise.gyroscope_random_walk) * seconds;
+  const double gyroscope =
+      Square(kept.estimate.gyroscope_bias_sigma) + Square(noise.gyroscope_random_walk) * seconds;
   const double accelerometer = Square(kept.estimate.accelerometer_bias_sigma) +
                                Square(noise.accelerometer_random_walk) * seconds;
   start.covariance.diagonal() << Eigen::Vector3d::Constant(gyroscope),
