@@ -34,12 +34,20 @@ inline constexpr Figure kLoops[] = {
     {"segments joined", "segments_joined", "/segments_joined", 1.0, 0},
     {"loops", "loops_closed", "/loops_closed", 1.0, 0},
 };
+inline constexpr Figure kInertial[] = {
+    {"IMU starts, s", "imu_initialised_at_s", "/imu/initialised_at_s", 1.0, 1},
+    {"gravity sigma, deg", "imu_gravity_sigma_deg", "/imu/gravity_sigma_deg", 1.0, 3},
+    {"IMU residual, rotation", "imu_residual_gyroscope", "/imu/residual/gyroscope", 1.0, 2},
+    {"IMU residual, velocity", "imu_residual_accelerometer", "/imu/residual/accelerometer", 1.0, 2},
+};
 inline constexpr Figure kForProgramsOnly[] = {
     {"", "motions", "/motions", 1.0, 0},
     {"", "correct_motions", "/correct_motions", 1.0, 0},
     {"", "motions_within_segments", "/within_segments/motions", 1.0, 0},
     {"", "correct_motions_within_segments", "/within_segments/correct_motions", 1.0, 0},
     {"", "breaks", "/within_segments/breaks", 1.0, 0},
+    {"", "imu_gyroscope_noise_factor", "/imu/noise_factor/gyroscope", 1.0, 0},
+    {"", "imu_accelerometer_noise_factor", "/imu/noise_factor/accelerometer", 1.0, 0},
     {"", "frames", "/frames", 1.0, 0},
     {"", "threads", "/threads", 1.0, 0},
 };

@@ -21,6 +21,7 @@ std::vector<Figure> FiguresForPrograms() {
   figures.push_back(kWithinSegments);
   figures.insert(figures.end(), std::begin(kWork), std::end(kWork));
   figures.insert(figures.end(), std::begin(kLoops), std::end(kLoops));
+  figures.insert(figures.end(), std::begin(kInertial), std::end(kInertial));
   figures.insert(figures.end(), std::begin(kForProgramsOnly), std::end(kForProgramsOnly));
   return figures;
 }
@@ -161,6 +162,9 @@ ExperimentTable MakeTable(const std::vector<RunOutcome>& outcomes) {
   std::vector<Figure> behind(std::begin(kWork), std::end(kWork));
   if (any_has("/loops_closed", -1.0)) {
     behind.insert(behind.begin(), std::begin(kLoops), std::end(kLoops));
+  }
+  if (any_has("/imu/noise_factor/gyroscope", 0.0)) {
+    behind.insert(behind.begin(), std::begin(kInertial), std::end(kInertial));
   }
   ExperimentTable table;
   table.header = {"data set", "method"};

@@ -51,5 +51,37 @@ TEST(ExperimentTable, LoopsHaveColumnsWhereARunLookedForThem) {
       << csv;
 }
 
+TEST(ExperimentTable, AnInertialUnitHasColumnsWhereARunUsedIt) {
+  const RunOutcome without = Outcome("klt, imu x", {{"ate_se3_m", 0.02}, {"resets", 0}});
+  RunOutcome with = Outcome("klt, imu o", without.metrics);
+  with.metrics["imu"] = {{"initialised_at_s", 3.0},
+                         {"gravity_sigma_deg", 0.0123},
+                         {"residual", {{"gyroscope", 0.141}, {"accelerometer", 0.306}}},
+                         {"noise_factor", {{"gyroscope", 1.0}, {"accelerometer", 9.0}}}};
+  RunOutcome waiting = Outcome("superglue, imu o", without.metrics);
+  waiting.metrics["imu"] = {{"initialised_at_s", nullptr},
+                            {"noise_factor", {{"gyroscope", 1.0}, {"accelerometer", 1.0}}}};
+  EXPECT_EQ(ColumnOf(MakeTable({without}), "IMU starts, s"), -1);
+
+  const ExperimentTable table = MakeTable({without, with, waiting});
+  for (const auto& [title, value] : {std::pair{"IMU starts, s", "3.0"},
+                                     {"gravity sigma, deg", "0.012"},
+                                     {"IMU residual, rotation", "0.14"},
+                                     {"IMU residual, velocity", "0.31"}}) {
+    const std::ptrdiff_t column = ColumnOf(table, title);
+    ASSERT_GE(column, 0) << title;
+    EXPECT_EQ(table.rows[0][column], "-") << title;
+    EXPECT_EQ(table.rows[1][column], value) << title;
+    EXPECT_EQ(table.rows[2][column], "-") << title;
+  }
+  // For programs there are always the same columns.
+  const std::string csv = OutcomesAsCsv({without});
+  EXPECT_NE(csv.find("imu_initialised_at_s,imu_gravity_sigma_deg,imu_residual_gyroscope,imu_"
+                     "residual_accelerometer"),
+            std::string::npos)
+      << csv;
+  EXPECT_NE(csv.find("imu_accelerometer_noise_factor"), std::string::npos) << csv;
+}
+
 }  // namespace
 }  // namespace gluevo::apps

@@ -42,6 +42,7 @@ FreezeGuard::FreezeGuard(std::unique_ptr<FrontEnd> guarded, const FreezeGuardOpt
 }
 
 TrackedFrame FreezeGuard::Track(const StereoFrame& frame) {
+  const std::optional<ExpectedView> expected = std::exchange(expected_, std::nullopt);
   is_frozen_ = IsFrozen(frame, 0);
   if (is_frozen_) {
     newest_ = frame;
@@ -50,6 +51,9 @@ TrackedFrame FreezeGuard::Track(const StereoFrame& frame) {
   StereoFrame given = frame;
   if (IsFrozen(frame, 1)) {
     given.images[1] = cv::Mat::zeros(frame.images[1].size(), frame.images[1].type());
+  }
+  if (expected) {
+    guarded_->Expect(*expected);
   }
   TrackedFrame tracked = guarded_->Track(given);
   newest_ = frame;

@@ -21,13 +21,19 @@ bool IsInside(const cv::Point2f& pixel, const cv::Size& size, int border) {
 }
 
 Flow FollowCorners(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
-                   const std::vector<cv::Point2f>& guesses, const KltOptions& options) {
+                   const std::vector<cv::Point2f>& guesses, const KltOptions& options,
+                   bool finely) {
   // On the way back the search starts at the answer: one level less coarse is enough to tell
   // whether the point returns.
   constexpr int kLevelsBack = 1;
   Flow flow =
       FollowBothWays(from, to, pixels, guesses,
                      {options.window, options.levels, kLevelsBack, options.max_return_distance});
+  finely = finely && MedianFlowSigma(from, pixels, flow, options.refinement.window) <=
+                         options.max_refinement_sigma_px;
+  if (finely) {
+    flow = FollowFinely(from, to, pixels, flow, options.refinement, options.max_refinement_px);
+  }
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     flow.found[i] =
         flow.found[i] != 0 && IsInside(flow.pixels[i], to.front().size(), options.border);
@@ -44,6 +50,9 @@ void KltOptions::Validate() const {
   CheckAtLeast(window, 3, "klt.window");
   CheckAtLeast(levels, 0, "klt.levels");
   CheckPositive(max_return_distance, "klt.max_return_distance");
+  refinement.Validate("klt.refinement");
+  CheckPositive(max_refinement_px, "klt.max_refinement_px");
+  CheckPositive(max_refinement_sigma_px, "klt.max_refinement_sigma_px");
   CheckAtLeast(border, 0, "klt.border");
   CheckPositive(max_epipolar_error_px, "klt.max_epipolar_error_px");
   CheckPositive(fundamental_distance, "klt.fundamental_distance");
@@ -55,7 +64,10 @@ KltFrontEnd::KltFrontEnd(const StereoRig& rig, const KltOptions& options)
 }
 
 TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
+  // Of a frame that is refused nothing stays.
+  std::optional<ExpectedView> expected = std::exchange(expected_, std::nullopt);
   CheckImages(frame, rig_);
+  expected_ = std::move(expected);
   Stopwatch watch;
   std::swap(left_, last_left_);
   RemakePyramid(frame.images[0], options_.window, options_.levels, left_);
@@ -65,27 +77,43 @@ TrackedFrame KltFrontEnd::Track(const StereoFrame& frame) {
   timestamp_ns_ = frame.timestamp_ns;
   has_retried_ = false;
   last_tracks_ = std::move(tracks_);
-  const double pyramids_ms = watch.Lap();
-  TrackedFrame result = FollowLast(GuessByMotion());
-  result.stages_ms["klt_track"] += pyramids_ms;
+  TurnLast();
+  FollowFromWhereSeen();
+  const double track_ms = watch.Lap();
+  TrackedFrame result = Complete();
+  result.stages_ms["klt_track"] = track_ms;
   return result;
 }
 
 std::optional<TrackedFrame> KltFrontEnd::Retry() {
-  if (has_retried_ || frames_since_last_ == 1 || last_tracks_.empty()) {
+  if (last_tracks_.empty()) {
     return std::nullopt;
   }
-  has_retried_ = true;
-  return FollowLast(GuessByDescriptors(last_left_.front(), left_.front(), PixelsOf(last_tracks_),
-                                       GuessByMotion()));
+  Stopwatch watch;
+  if (expected_ && has_retried_) {
+    // As if nothing were known of the camera's motion.
+    expected_.reset();
+    has_retried_ = false;
+    TurnLast();
+    Follow(GuessByMotion());
+  } else if (has_retried_ || (frames_since_last_ == 1 && !expected_)) {
+    return std::nullopt;
+  } else {
+    has_retried_ = true;
+    const bool is_expected = KnowsPoints() || !turned_.empty();
+    Follow(GuessByDescriptors(From().front(), left_.front(), FromPixels(),
+                              is_expected ? GuessWhereExpected() : GuessByMotion()));
+  }
+  const double track_ms = watch.Lap();
+  TrackedFrame result = Complete();
+  result.stages_ms["klt_track"] = track_ms;
+  return result;
 }
 
-TrackedFrame KltFrontEnd::FollowLast(const std::vector<cv::Point2f>& guesses) {
+TrackedFrame KltFrontEnd::Complete() {
   TrackedFrame result;
   result.timestamp_ns = timestamp_ns_;
   Stopwatch watch;
-  Follow(guesses);
-  result.stages_ms["klt_track"] = watch.Lap();
   AddCorners(left_.front());
   result.stages_ms["klt_detect"] = watch.Lap();
   MatchStereo(result);
@@ -94,6 +122,7 @@ TrackedFrame KltFrontEnd::FollowLast(const std::vector<cv::Point2f>& guesses) {
 }
 
 void KltFrontEnd::Accept(const FrameOutcome& outcome) {
+  expected_.reset();
   if (outcome.is_passed_over) {
     std::swap(left_, last_left_);
     tracks_ = std::move(last_tracks_);
@@ -112,18 +141,9 @@ std::vector<cv::Point2f> KltFrontEnd::PixelsOf(const std::vector<Corner>& corner
   return pixels;
 }
 
-std::vector<cv::Point2f> KltFrontEnd::GuessByMotion() const {
-  const auto frames = static_cast<float>(frames_since_last_);
-  std::vector<cv::Point2f> guesses;
-  for (const Corner& track : last_tracks_) {
-    guesses.push_back(options_.predict ? track.pixel + frames * track.motion : track.pixel);
-  }
-  return guesses;
-}
-
 void KltFrontEnd::Follow(const std::vector<cv::Point2f>& guesses) {
   const auto frames = static_cast<float>(frames_since_last_);
-  const Flow flow = FollowCorners(last_left_, left_, PixelsOf(last_tracks_), guesses, options_);
+  const Flow flow = FollowCorners(From(), left_, FromPixels(), guesses, options_, KnowsPoints());
   std::vector<Corner> before;
   tracks_.clear();
   for (std::size_t i = 0; i < last_tracks_.size(); ++i) {
@@ -194,8 +214,9 @@ void KltFrontEnd::AddCorners(const cv::Mat& image) {
 
 void KltFrontEnd::MatchStereo(TrackedFrame& result) const {
   const std::vector<cv::Point2f> pixels = PixelsOf(tracks_);
-  const Flow flow = options_.stereo ? FollowCorners(left_, right_, pixels, pixels, options_)
-                                    : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
+  const Flow flow = options_.stereo
+                        ? FollowCorners(left_, right_, pixels, pixels, options_, KnowsPoints())
+                        : Flow{pixels, std::vector<uchar>(pixels.size(), 0)};
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Observation observation;
     observation.track_id = tracks_[i].id;

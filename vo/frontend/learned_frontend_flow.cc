@@ -17,19 +17,6 @@ bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
 
 }  // namespace
 
-Flow LearnedFrontEnd::FollowFinely(const std::vector<cv::Point2f>& pixels,
-                                   const std::vector<cv::Point2f>& guesses) const {
-  const Flow coarse =
-      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following);
-  Flow fine =
-      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, coarse.pixels, options_.refinement);
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    fine.found[i] = coarse.found[i] != 0 && fine.found[i] != 0 &&
-                    IsWithin(fine.pixels[i], coarse.pixels[i], options_.max_refinement_px);
-  }
-  return fine;
-}
-
 void LearnedFrontEnd::MakePyramids() {
   const bool follows = options_.network_every > 1;
   if (!options_.refine && !follows) {
@@ -63,7 +50,10 @@ bool LearnedFrontEnd::FollowTracks() {
     pixels.push_back(track.left);
     guesses.push_back(track.left + track.motion);
   }
-  const Flow flow = FollowFinely(pixels, guesses);
+  const Flow flow = FollowFinely(
+      previous_pyramid_, pyramids_[0], pixels,
+      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following),
+      options_.refinement, options_.max_refinement_px);
   std::vector<TrackedPoint> followed;
   pixels.clear();
   guesses.clear();

@@ -1,10 +1,39 @@
 #include "gluevo/vo/frontend/optical_flow.h"
 
+#include <cmath>
+#include <limits>
 #include <opencv2/video/tracking.hpp>
+#include <utility>
 
+#include "gluevo/vo/core/median.h"
 #include "gluevo/vo/core/options_check.h"
 
 namespace gluevo::vo {
+namespace {
+
+// Of where a patch is found, along the worse axis, pixels, for noise of one gray level.
+// `gradients`: a pyramid's, by Scharr's filter.
+double SigmaOfUnitNoise(const cv::Mat& gradients, const cv::Point2f& pixel, int window) {
+  constexpr double kScharr = 32.0;  // What it gives for one gray level a pixel.
+  const cv::Rect image(0, 0, gradients.cols, gradients.rows);
+  const cv::Rect patch = image & cv::Rect(cvRound(pixel.x) - window / 2,
+                                          cvRound(pixel.y) - window / 2, window, window);
+  double xx = 0.0;
+  double xy = 0.0;
+  double yy = 0.0;
+  for (int y = patch.y; y < patch.y + patch.height; ++y) {
+    for (int x = patch.x; x < patch.x + patch.width; ++x) {
+      const auto& gradient = gradients.at<cv::Vec<short, 2>>(y, x);
+      xx += gradient[0] * gradient[0];
+      xy += gradient[0] * gradient[1];
+      yy += gradient[1] * gradient[1];
+    }
+  }
+  const double least = 0.5 * (xx + yy - std::hypot(xx - yy, 2.0 * xy));
+  return least > 0.0 ? kScharr / std::sqrt(least) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
 
 void FlowOptions::Validate(const std::string& name) const {
   CheckAtLeast(window, 3, name + ".window");
@@ -34,7 +63,7 @@ Flow FollowBothWays(const Pyramid& from, const Pyramid& to, const std::vector<cv
   const cv::Size window(options.window, options.window);
   const cv::TermCriteria criteria(cv::TermCriteria::COUNT | cv::TermCriteria::EPS, 30, 0.01);
   std::vector<float> errors;
-  cv::calcOpticalFlowPyrLK(from, to, pixels, flow.pixels, flow.found, errors, window,
+  cv::calcOpticalFlowPyrLK(from, to, pixels, flow.pixels, flow.found, flow.differences, window,
                            options.levels, criteria, cv::OPTFLOW_USE_INITIAL_FLOW);
   std::vector<cv::Point2f> returned = pixels;
   std::vector<unsigned char> found_back;
@@ -48,6 +77,30 @@ Flow FollowBothWays(const Pyramid& from, const Pyramid& to, const std::vector<cv
                     miss.dot(miss) <= options.max_return_distance * options.max_return_distance;
   }
   return flow;
+}
+
+double MedianFlowSigma(const Pyramid& from, const std::vector<cv::Point2f>& pixels,
+                       const Flow& flow, int window) {
+  constexpr double kOfMeanDifference = 1.2533;  // Sigma of normal noise.
+  std::vector<double> sigmas;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (flow.found[i] != 0) {
+      sigmas.push_back(kOfMeanDifference * flow.differences[i] *
+                       SigmaOfUnitNoise(from[1], pixels[i], window));
+    }
+  }
+  return sigmas.empty() ? std::numeric_limits<double>::infinity() : Median(std::move(sigmas));
+}
+
+Flow FollowFinely(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
+                  const Flow& coarse, const FlowOptions& options, double max_distance_px) {
+  Flow fine = FollowBothWays(from, to, pixels, coarse.pixels, options);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const cv::Point2f by = fine.pixels[i] - coarse.pixels[i];
+    fine.found[i] = coarse.found[i] != 0 && fine.found[i] != 0 &&
+                    by.dot(by) <= max_distance_px * max_distance_px;
+  }
+  return fine;
 }
 
 }  // namespace gluevo::vo

@@ -91,14 +91,20 @@ std::optional<InertialStart> InertialNavigation::Try(const StampedPose& world_fr
   constexpr double kLongestS = 10.0;
   constexpr std::size_t kFewest = 12;
   frames_.push_back(world_from_body);
+  LearnTurn();
   const int64_t now_ns = world_from_body.timestamp_ns;
   while (frames_.size() > kFewest &&
          SecondsBetween(frames_.front().timestamp_ns, now_ns) > kLongestS) {
     frames_.erase(frames_.begin());
   }
-  ForgetBefore(frames_.front().timestamp_ns);
-  std::optional<InertialStart> start = TryAtRest();
-  const bool is_at_rest = start.has_value();
+  ForgetBefore(kept_ ? std::min(kept_->timestamp_ns, frames_.front().timestamp_ns)
+                     : frames_.front().timestamp_ns);
+  std::optional<InertialStart> start = TryKept();
+  bool is_at_rest = false;
+  if (!start) {
+    start = TryAtRest();
+    is_at_rest = start.has_value();
+  }
   constexpr double kEveryS = 0.5;
   if (!start && SecondsBetween(tried_ns_, now_ns) >= kEveryS) {
     tried_ns_ = now_ns;

@@ -89,10 +89,11 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   FrameResult result{.timestamp_ns = frame.timestamp_ns};
   StageTimer timer(result.stages_ms);
   TrackedFrame& tracked = result.tracked_frame;
+  Expect(frame.timestamp_ns);
+  timer.End("estimator");
   tracked = Track(frame);
   timer.End("frontend");
 
-  Expect(frame.timestamp_ns);
   std::optional<FramePose> pose = Locate(tracked, result);
   timer.End("estimator");
   while (!pose && Retry(tracked)) {

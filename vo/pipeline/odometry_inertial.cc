@@ -4,6 +4,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "gluevo/vo/geometry/eigen_solvers.h"
+#include "gluevo/vo/geometry/projection.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "odometry_frame_pose.h"
 
@@ -36,6 +37,38 @@ void Odometry::Expect(int64_t timestamp_ns) {
   if (const auto prediction = window_->Predict(timestamp_ns)) {
     expected_ = {prediction->state.world_from_body, prediction->covariance};
   }
+  if (const std::optional<ExpectedView> view = ExpectView(timestamp_ns)) {
+    frontend_->Expect(*view);
+  }
+}
+
+std::optional<ExpectedView> Odometry::ExpectView(int64_t timestamp_ns) const {
+  if (!navigation_ || window_->empty()) {
+    return std::nullopt;
+  }
+  const Rigid3& body_from_cam = rig_.body_from_cam[0];
+  const Rigid3& world_from_last = window_->world_from_body();
+  ExpectedView view;
+  if (expected_) {
+    const Rigid3 cam_from_world = (expected_->world_from_body * body_from_cam).Inverse();
+    view.now_from_last =
+        cam_from_world.rotation * world_from_last.rotation * body_from_cam.rotation;
+    for (const MapPoint& point : window_->MapPoints()) {
+      const Eigen::Vector3d in_cam = cam_from_world * point.point_in_world;
+      if (IsInFront(in_cam)) {
+        view.pixels[point.track_id] = rig_.cameras[0].Project(in_cam);
+      }
+    }
+    return view;
+  }
+  const std::optional<Eigen::Quaterniond> turn =
+      navigation_->Turn(history_.last()->timestamp_ns, timestamp_ns);
+  if (!turn) {
+    return std::nullopt;
+  }
+  view.now_from_last =
+      body_from_cam.rotation.conjugate() * turn->conjugate() * body_from_cam.rotation;
+  return view;
 }
 
 Rigid3 Odometry::Predict(int64_t timestamp_ns) const {
@@ -72,6 +105,7 @@ void Odometry::HeedContradictions(bool is_located, const FrameResult& result) {
   if (is_located && contradictions_ >= kMostContradictions) {
     window_->StopInertia();
     navigation_->Restart();
+    navigation_->Forget();
     expected_.reset();
   }
   if (is_located) {
@@ -104,6 +138,7 @@ void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
       const SlidingWindow::InertialMisfit misfit = window_->Misfit();
       navigation_->Watch(misfit.gyroscope, misfit.accelerometer);
       result.inertial = DescribeInertia();
+      navigation_->Keep(result.timestamp_ns, result.world_from_body.rotation, *result.inertial);
     }
     if (window_->time_offset_s()) {
       navigation_->FollowTimeOffset(*window_->time_offset_s(), window_->time_offset_sigma_s());

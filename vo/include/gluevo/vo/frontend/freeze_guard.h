@@ -34,6 +34,7 @@ class FreezeGuard final : public FrontEnd {
   /// Throws Error for options out of their range.
   FreezeGuard(std::unique_ptr<FrontEnd> guarded, const FreezeGuardOptions& options);
 
+  void Expect(const ExpectedView& view) override { expected_ = view; }
   TrackedFrame Track(const StereoFrame& frame) override;
   std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override;
@@ -44,6 +45,7 @@ class FreezeGuard final : public FrontEnd {
 
   std::unique_ptr<FrontEnd> guarded_;
   FreezeGuardOptions options_;
+  std::optional<ExpectedView> expected_;  // Of the frame that comes.
   StereoFrame newest_;
   TrackedFrame tracked_;         // The newest that the front end gave.
   TrackedFrame accepted_;        // The newest before it that was not passed over.

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "gluevo/vo/core/expected_view.h"
 #include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
@@ -30,6 +31,10 @@ class FrontEnd {
   FrontEnd(const FrontEnd&) = delete;
   FrontEnd& operator=(const FrontEnd&) = delete;
   virtual ~FrontEnd() = default;
+
+  /// What an inertial unit says of the frame that Track() is given next. Not called for frames of
+  /// which it says nothing.
+  virtual void Expect(const ExpectedView& /*view*/) {}
 
   /// The next frame of the sequence. Throws Error as CheckImages does; the front end is then as it
   /// was before.

@@ -24,6 +24,13 @@ struct KltOptions {
   int levels = 3;
   /// A point followed forth and back must return this close to where it was, pixels.
   double max_return_distance = 0.5;
+  /// Once an inertial unit says where points will be, a smaller patch is followed from where the
+  /// large one ends, which sees less of what lies behind a corner; farther off than this, pixels,
+  /// it is lost. Not in images with noise for which a smaller patch's place would be known no
+  /// better than this (MedianFlowSigma), pixels.
+  FlowOptions refinement = {.window = 11, .levels = 1, .levels_back = 1};
+  double max_refinement_px = 3.0;
+  double max_refinement_sigma_px = 0.035;
   /// Points closer to the image's edge are given up, pixels.
   int border = 1;
   /// A stereo match farther than this from its epipolar line is none, pixels. VINS-Fusion has no
@@ -47,6 +54,7 @@ class KltFrontEnd final : public FrontEnd {
  public:
   /// Throws Error for options out of their range.
   KltFrontEnd(const StereoRig& rig, const KltOptions& options);
+  void Expect(const ExpectedView& view) override { expected_ = view; }
   TrackedFrame Track(const StereoFrame& frame) override;
   /// Where frames are missing before this one, which optical flow may not bridge: starts it where
   /// descriptors say. (Else there is no other way, as in the baseline.)
@@ -63,10 +71,22 @@ class KltFrontEnd final : public FrontEnd {
   };
 
   static std::vector<cv::Point2f> PixelsOf(const std::vector<Corner>& corners);
-  /// The tracks of the last frame in this one, and new ones.
-  TrackedFrame FollowLast(const std::vector<cv::Point2f>& guesses);
+  /// Whether an inertial unit says where known points are in the newest image.
+  bool KnowsPoints() const { return expected_ && !expected_->pixels.empty(); }
+  std::vector<cv::Point2f> GuessWhereExpected() const;
   std::vector<cv::Point2f> GuessByMotion() const;
+  /// Sees the last image from where the camera has turned to, where that is far.
+  void TurnLast();
+  /// What is followed from: the last image, or what TurnLast() made of it, and last_tracks_ in it.
+  const Pyramid& From() const { return turned_.empty() ? last_left_ : turned_; }
+  std::vector<cv::Point2f> FromPixels() const {
+    return turned_.empty() ? PixelsOf(last_tracks_) : turned_pixels_;
+  }
+  /// Finds last_tracks_ in the newest image, from where they may be.
   void Follow(const std::vector<cv::Point2f>& guesses);
+  void FollowFromWhereSeen();
+  /// What was found, new tracks, and the right views of both.
+  TrackedFrame Complete();
   void RejectByFundamental(const std::vector<Corner>& before);
   void AddCorners(const cv::Mat& image);
   void MatchStereo(TrackedFrame& result) const;
@@ -78,6 +98,11 @@ class KltFrontEnd final : public FrontEnd {
   int64_t timestamp_ns_ = 0;
   bool has_retried_ = false;
   Pyramid left_, right_, last_left_;
+  std::optional<ExpectedView> expected_;  // Of the newest frame.
+  // What the last left image would have been had the camera been turned as it is now, and where it
+  // would have shown last_tracks_; empty where it was not turned far.
+  Pyramid turned_;
+  std::vector<cv::Point2f> turned_pixels_;
   int frames_since_last_ = 1;
   int64_t next_id_ = 0;
 };

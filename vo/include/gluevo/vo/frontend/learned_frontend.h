@@ -110,9 +110,6 @@ class LearnedFrontEnd : public FrontEnd {
   void KeepFrame();
   void MakePyramids();
   bool FollowTracks();
-  /// From the left image before to this one.
-  Flow FollowFinely(const std::vector<cv::Point2f>& pixels,
-                    const std::vector<cv::Point2f>& guesses) const;
   void RunNetworks();
   void FindWays();
   nn::Features Extract(const cv::Mat& image, const Camera& camera);

@@ -35,11 +35,25 @@ inline Eigen::Vector2d ToEigen(const cv::Point2f& point) { return {point.x, poin
 struct Flow {
   std::vector<cv::Point2f> pixels;
   std::vector<unsigned char> found;
+  /// How far the patches around both differ, forth, mean over the patch, gray levels.
+  std::vector<float> differences = {};
 };
 
 /// Follows `pixels` from one image to another; the search begins at `guesses`, one each. Pyramids
 /// of at least the options' window; where they have fewer levels, these.
 Flow FollowBothWays(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
                     const std::vector<cv::Point2f>& guesses, const FlowOptions& options);
+
+/// How far off such a patch around each of the points is found where images have noise, one
+/// standard deviation along the worse axis, pixels: by the gray values' gradients in `from` and by
+/// how much the patches of `flow` differ (the Cramer-Rao bound of Lucas and Kanade's equations).
+/// Median over the points that `flow` found; infinite where it found none.
+double MedianFlowSigma(const Pyramid& from, const std::vector<cv::Point2f>& pixels,
+                       const Flow& flow, int window);
+
+/// Follows on, with a patch that is smaller and so sees less of what lies behind the point, from
+/// where `coarse` ends: what it does not find within `max_distance_px` of there is lost.
+Flow FollowFinely(const Pyramid& from, const Pyramid& to, const std::vector<cv::Point2f>& pixels,
+                  const Flow& coarse, const FlowOptions& options, double max_distance_px);
 
 }  // namespace gluevo::vo

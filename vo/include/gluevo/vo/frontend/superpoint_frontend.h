@@ -39,6 +39,7 @@ class SuperPointFrontEnd final : public FrontEnd {
   /// Throws Error for bad options.
   SuperPointFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureExtractor> extractor,
                      const SuperPointFrontEndOptions& options);
+  void Expect(const ExpectedView& view) override { klt_.Expect(view); }
   TrackedFrame Track(const StereoFrame& frame) override;
   /// As the baseline does.
   std::optional<TrackedFrame> Retry() override;

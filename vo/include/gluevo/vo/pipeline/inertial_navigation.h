@@ -1,11 +1,15 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "gluevo/vo/core/imu.h"
+#include "gluevo/vo/core/inertial_estimate.h"
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/inertial/clock_watch.h"
 #include "gluevo/vo/inertial/imu_readings.h"
@@ -36,6 +40,18 @@ class InertialNavigation {
   /// A frame that was located, while the unit has not started: a start that the frames so far bear
   /// out.
   std::optional<InertialStart> Try(const StampedPose& world_from_body);
+  /// How the body turned between two times by the gyroscope alone (begin_from_end), with the bias
+  /// of the frames so far; nothing where readings are missing, and where the frames' turns do not
+  /// agree with them. Good enough to look for what was seen before, whether the unit has started or
+  /// not.
+  std::optional<Eigen::Quaterniond> Turn(int64_t begin_ns, int64_t end_ns) const;
+  /// What is known of a frame at `timestamp_ns` now that the unit runs: should the frames' poses
+  /// be lost, it starts again from there as soon as three new ones are there, if gravity is still
+  /// known well enough and their turns agree with the gyroscope's.
+  void Keep(int64_t timestamp_ns, const Eigen::Quaterniond& world_from_body,
+            const InertialEstimate& estimate);
+  /// What was known has turned out wrong.
+  void Forget() { kept_.reset(); }
   /// The frames before have nothing to do with those that come: it has to start again.
   void Restart();
   /// Mean squares of residuals (in shares of their variances) of a frame's readings, once it has
@@ -69,6 +85,10 @@ class InertialNavigation {
     bool Watch(double of_frame);
   };
 
+  /// Of the turn between the last two frames.
+  void LearnTurn();
+  void LearnBias(const Eigen::Vector3d& gyroscope_bias);
+  std::optional<InertialStart> TryKept();
   std::optional<InertialStart> TryAtRest();
   std::optional<InertialStart> TryInMotion();
   bool ImagesAreStill() const;
@@ -79,7 +99,14 @@ class InertialNavigation {
   ImuNoise noise_;
   InertialOptions options_;
   ImuReadings readings_;
-  Trajectory frames_;  // Located ones, of the last seconds.
+  struct Kept {
+    int64_t timestamp_ns = 0;
+    Eigen::Vector3d gravity_in_body;
+    InertialEstimate estimate;
+  };
+  std::optional<Kept> kept_;
+  std::deque<Eigen::Vector3d> biases_;  // The gyroscope's, of turns of late, rad/s.
+  Trajectory frames_;                   // Located ones, of the last seconds.
   int64_t tried_ns_ = 0;
   Sensor gyroscope_, accelerometer_;
   ClockWatch clock_;

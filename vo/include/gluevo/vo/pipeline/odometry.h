@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gluevo/nn/thread_pool.h"
+#include "gluevo/vo/core/expected_view.h"
 #include "gluevo/vo/core/frame_result.h"
 #include "gluevo/vo/core/imu.h"
 #include "gluevo/vo/core/map_point.h"
@@ -83,7 +84,9 @@ class Odometry {
   /// Takes the frame into the window. False where the estimate diverges.
   bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
   FramePose StartSegment(const TrackedFrame& frame);
+  /// Where the inertial unit leads, for the front end, too.
   void Expect(int64_t timestamp_ns);
+  std::optional<ExpectedView> ExpectView(int64_t timestamp_ns) const;
   /// Where a frame may be, for RANSAC.
   std::vector<Rigid3> Guesses(int64_t timestamp_ns) const;
   Rigid3 Predict(int64_t timestamp_ns) const;
