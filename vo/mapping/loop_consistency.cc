@@ -77,9 +77,7 @@ LoopMeasurement OdometryBetween(const std::vector<LoopKeyframe>& keyframes, std:
                                 std::size_t b) {
   LoopMeasurement motion;
   for (std::size_t i = a + 1; i <= b; ++i) {
-    motion =
-        Chained(motion, {keyframes[i - 1].world_from_body.Inverse() * keyframes[i].world_from_body,
-                         keyframes[i].motion_covariance});
+    motion = Chained(motion, {keyframes[i].motion, keyframes[i].motion_covariance});
   }
   return motion;
 }

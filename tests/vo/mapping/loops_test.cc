@@ -98,6 +98,9 @@ std::vector<LoopKeyframe> Path(int count, const std::vector<int>& segment_starts
     segment += static_cast<int>(std::count(segment_starts.begin(), segment_starts.end(), i));
     LoopKeyframe keyframe{.timestamp_ns = i * kStepNs, .segment = segment};
     keyframe.world_from_body = {ExpSo3({0.0, 0.0, 0.1 * i}), {0.5 * i, 0.1 * i, 0.0}};
+    if (i > 0) {
+      keyframe.motion = keyframes.back().world_from_body.Inverse() * keyframe.world_from_body;
+    }
     keyframe.motion_covariance.diagonal() << 1e-4, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6;
     keyframes.push_back(keyframe);
   }
@@ -241,6 +244,9 @@ Rounds FlyTwoRounds(int break_at, int wrong_at = kNever) {
     LoopKeyframe keyframe = testing::MakeLoopKeyframe(testing::SimulatedRig(), Room(),
                                                       rounds.truth[i], by_odometry, i * kStepNs);
     keyframe.segment = break_at > 0 && i >= break_at ? 1 : 0;
+    if (i > 0) {
+      keyframe.motion = rounds.closer.keyframes().back().world_from_body.Inverse() * by_odometry;
+    }
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
     if (i == wrong_at) {
       keyframe.motion_covariance =
@@ -288,6 +294,7 @@ TEST(LoopCloser, ADoubtfulMotionIsVerifiedByThePlaceBefore) {
   const Rigid3 wrong = PlaceAt(0.2) * Rigid3{ExpSo3({0.0, 0.0, 0.5}), {1.0, 0.0, 0.0}};
   LoopKeyframe doubtful =
       testing::MakeLoopKeyframe(testing::SimulatedRig(), Room(), PlaceAt(0.2), wrong, kStepNs);
+  doubtful.motion = PlaceAt(0.0).Inverse() * wrong;
   doubtful.motion_covariance =
       DoubtfulMotion(doubtful.motion_covariance, PlaceAt(0.0).Inverse() * wrong);
   closer.Add(std::move(doubtful));

@@ -9,6 +9,7 @@
 #include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
+#include "gluevo/vo/core/trajectory.h"
 
 namespace gluevo::vo {
 
@@ -44,6 +45,9 @@ struct FrameResult {
   PoseCovariance path_covariance = PoseCovariance::Zero();
   /// Once an inertial unit has started, of frames that were located.
   std::optional<InertialEstimate> inertial;
+  /// World_from_body of the newest frames as they are known now, the oldest first, this frame's the
+  /// last: what was given for the others before may have been revised. Empty of a predicted pose.
+  Trajectory window;
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).

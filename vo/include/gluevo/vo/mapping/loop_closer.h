@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "gluevo/vo/mapping/loop_keyframe.h"
 #include "gluevo/vo/mapping/loop_verification.h"
 #include "gluevo/vo/mapping/place_codebook.h"
+#include "gluevo/vo/mapping/pose_graph.h"
 
 namespace gluevo::vo {
 
@@ -63,6 +65,14 @@ class LoopCloser {
   /// know.
   void Add(LoopKeyframe keyframe);
 
+  /// What odometry has in the meantime for the motion to a key frame since the one before it in the
+  /// same segment.
+  void Revise(std::size_t keyframe, const Rigid3& motion) { keyframes_[keyframe].motion = motion; }
+
+  /// Where a segment's world has its up, once an inertial unit tells: a unit vector. What is said
+  /// last counts, for all of the segment.
+  void SetUp(int segment, const Eigen::Vector3d& up_in_world);
+
   const StereoRig& rig() const { return rig_; }
   const std::vector<LoopKeyframe>& keyframes() const { return keyframes_; }
   /// Those that the codebook proposed, in the order in which they were tried.
@@ -71,7 +81,8 @@ class LoopCloser {
   const std::vector<Loop>& loops() const { return loops_; }
 
   /// Of each key frame the pose that fits odometry and loops: world_from_body, the world being that
-  /// of the oldest segment that loops link with the key frame's.
+  /// of the oldest segment that loops link with the key frame's. Where up is known there and in the
+  /// key frame's own segment, and none of that one's motions is doubtful, its tilt stays.
   std::vector<Rigid3> Optimized() const;
 
  private:
@@ -81,6 +92,7 @@ class LoopCloser {
   };
 
   std::vector<Candidate> FindCandidates() const;
+  std::vector<PoseGraphNode> Nodes() const;
   void Verify(const std::vector<Candidate>& candidates);
   void Trust(const Loop& loop, std::size_t attempt);
 
@@ -89,8 +101,9 @@ class LoopCloser {
   std::shared_ptr<Matcher> matcher_;
   LoopOptions options_;
   std::vector<LoopKeyframe> keyframes_;
-  std::size_t loaded_ = 0;               // Of them.
-  std::vector<Eigen::VectorXf> places_;  // One a key frame.
+  std::size_t loaded_ = 0;                      // Of them.
+  std::vector<Eigen::VectorXf> places_;         // One a key frame.
+  std::map<int, Eigen::Vector3d> up_in_world_;  // Of segments.
   std::vector<LoopAttempt> attempts_;
   std::vector<Loop> loops_;
   // Verified, but not trusted (yet), and their attempts.

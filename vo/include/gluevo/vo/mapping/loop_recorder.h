@@ -65,6 +65,7 @@ class LoopRecorder {
 
   bool IsToBeKept(const FrameResult& result) const;
   bool IsLater(int segment, int64_t timestamp_ns) const;
+  void Revise(const Trajectory& window);
   void Keep(const StereoFrame& frame, const FrameResult& result, int segment, const StereoRig& rig);
 
   std::shared_ptr<FeatureExtractor> extractor_;
@@ -74,6 +75,8 @@ class LoopRecorder {
   std::size_t loaded_keyframes_ = 0;
   int loaded_segments_ = 0;
   std::vector<Frame> frames_;
+  std::vector<Rigid3>
+      revised_;  // Of this run's key frames that are kept, as odometry has them now.
   /// Of the motion from the newest key frame that is kept to odometry's newest one.
   PoseCovariance since_kept_ = PoseCovariance::Zero();
   /// Since the last frame that was located: if none is any more before tracking is lost, loops are
