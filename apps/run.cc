@@ -168,7 +168,8 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .imu = MakeImuRecord(setup.dataset, odometry)};
   AddEvaluations(setup.dataset, records, context);
   if (records.loops) {
-    context.loops = CloseLoops(*records.loops, setup.dataset.groundtruth);
+    context.loops =
+        CloseLoops(*records.loops, arguments.loops.has_final_adjustment, setup.dataset.groundtruth);
   }
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);

@@ -52,6 +52,9 @@ void MakeLoopsOfReplay(const RunArguments& arguments, const vo::MatchStoreReader
 RunSetup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
                nn::ThreadPool& pool) {
   RunSetup setup;
+  if (arguments.loops.has_final_adjustment && !arguments.loops.is_on) {
+    throw Error("--final-adjustment on is of what loops keep: expected --loops on");
+  }
   setup.method = arguments.config.frontend.method;
   std::optional<vo::MatchStoreReader> store;
   if (!arguments.replay.empty()) {

@@ -30,6 +30,9 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", config.options.max_candidates,
             "So many of the most similar places are verified");
+  loops.AddSwitch("--final-adjustment", config.has_final_adjustment,
+                  "on: with --loops on, adjust all key frames and points together in the end; kept "
+                  "where it lowers the error of views that took no part");
   AddCullingOption(loops, culling);
 }
 

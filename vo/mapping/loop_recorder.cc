@@ -126,9 +126,13 @@ void LoopRecorder::Keep(const StereoFrame& frame, const FrameResult& result, int
   since_kept_ = PoseCovariance::Zero();
 }
 
-Trajectory LoopRecorder::Optimized() const {
+GlobalAdjustment LoopRecorder::Adjust(const std::vector<Rigid3>& keyframes,
+                                      const GlobalAdjustmentOptions& options) const {
+  return AdjustGlobally(closer_, keyframes, *matcher_, options);
+}
+
+Trajectory LoopRecorder::Follow(const std::vector<Rigid3>& keyframes) const {
   const std::vector<LoopKeyframe>& kept = closer_.keyframes();
-  const std::vector<Rigid3> optimized = closer_.Optimized();
   Trajectory trajectory;
   trajectory.reserve(frames_.size());
   std::size_t next = loaded_keyframes_;  // The first kept one after the frame.
@@ -137,7 +141,7 @@ Trajectory LoopRecorder::Optimized() const {
       ++next;
     }
     const auto by = [&](std::size_t i) {
-      return optimized[i] * (kept[i].world_from_body.Inverse() * frame.pose.world_from_body);
+      return keyframes[i] * (kept[i].world_from_body.Inverse() * frame.pose.world_from_body);
     };
     const bool has_before = next > loaded_keyframes_ && kept[next - 1].segment == frame.segment;
     const bool has_after = next < kept.size() && kept[next].segment == frame.segment;
@@ -180,10 +184,6 @@ std::size_t LoopRecorder::FramesInLoadedMap() const {
   const std::vector<int> linked = LinkedSegments();
   return static_cast<std::size_t>(std::count_if(
       linked.begin(), linked.end(), [&](int segment) { return segment < loaded_segments_; }));
-}
-
-PlaceMap LoopRecorder::Map(const MapFeatures& features) const {
-  return MakePlaceMap(closer_, features);
 }
 
 }  // namespace gluevo::vo

@@ -55,7 +55,7 @@ inline PlaceMap RoundMap() {
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
     closer.Add(std::move(keyframe));
   }
-  return MakePlaceMap(closer, {"superpoint", "built-in", "12ab"});
+  return MakePlaceMap(closer, closer.Optimized(), {"superpoint", "built-in", "12ab"});
 }
 
 /// Two key frames of a few keypoints.

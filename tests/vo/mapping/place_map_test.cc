@@ -242,7 +242,7 @@ TEST(PlaceMap, ALaterRunComesBackToIt) {
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
     closer.Add(std::move(keyframe));
   }
-  const PlaceMap grown = MakePlaceMap(closer, map.features);
+  const PlaceMap grown = MakePlaceMap(closer, closer.Optimized(), map.features);
   ASSERT_EQ(grown.keyframes.size(), map.keyframes.size() + 4);
   EXPECT_EQ(grown.Parts().back(), 0);
   for (int i = 0; i < 4; ++i) {

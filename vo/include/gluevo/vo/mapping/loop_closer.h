@@ -46,6 +46,9 @@ struct LoopAttempt {
   int matches = 0;
   int inliers = 0;
   bool is_closed = false;
+  /// Time of the key frame that was added when it was believed: the query's, or a later one's that
+  /// agreed.
+  int64_t closed_ns = 0;
   std::string reason;  ///< Why it is not.
 };
 
@@ -80,9 +83,12 @@ class LoopCloser {
   /// Loops that are believed.
   const std::vector<Loop>& loops() const { return loops_; }
 
-  /// Of each key frame the pose that fits odometry and loops: world_from_body, the world being that
-  /// of the oldest segment that loops link with the key frame's. Where up is known there and in the
-  /// key frame's own segment, and none of that one's motions is doubtful, its tilt stays.
+  /// One node a key frame, where odometry and the loops between segments have it: the world is that
+  /// of the oldest segment that loops link with the key frame's, whose first pose is fixed. Where
+  /// up is known there and in the key frame's own segment, and none of that one's motions is
+  /// doubtful, its tilt stays.
+  PoseGraph Graph() const;
+  /// Of each key frame the pose that fits odometry and loops: world_from_body of the graph, solved.
   std::vector<Rigid3> Optimized() const;
 
  private:
@@ -92,7 +98,6 @@ class LoopCloser {
   };
 
   std::vector<Candidate> FindCandidates() const;
-  std::vector<PoseGraphNode> Nodes() const;
   void Verify(const std::vector<Candidate>& candidates);
   void Trust(const Loop& loop, std::size_t attempt);
 

@@ -11,6 +11,7 @@
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/frontend/matcher.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/mapping/global_adjustment.h"
 #include "gluevo/vo/mapping/loop_closer.h"
 #include "gluevo/vo/mapping/place_codebook.h"
 #include "gluevo/vo/mapping/place_map.h"
@@ -36,20 +37,21 @@ class LoopRecorder {
 
   const LoopCloser& closer() const { return closer_; }
 
-  /// A pose for every frame, as loops have it: the motion between two kept key frames is odometry's
-  /// but for a smooth bend. Poses of segments that no loop links stay odometry's. The same as
-  /// odometry's where there are no loops.
-  Trajectory Optimized() const;
+  /// A pose for every frame by those of all kept key frames (closer().Optimized(), or better ones):
+  /// the motion between two of them is odometry's but for a smooth bend.
+  Trajectory Follow(const std::vector<Rigid3>& keyframes) const;
+  /// AdjustGlobally by the recorder's own matcher, from closer().Optimized() or the like.
+  GlobalAdjustment Adjust(const std::vector<Rigid3>& keyframes,
+                          const GlobalAdjustmentOptions& options) const;
   /// Of each frame the oldest segment that loops link with its own.
   std::vector<int> LinkedSegments() const;
   /// How many segments of the run hang together with older ones, those of a loaded map too.
   int JoinedSegments() const;
   bool has_loaded_map() const { return loaded_keyframes_ > 0; }
+  /// How many of closer().keyframes(), the first ones, are those of a loaded map.
+  std::size_t loaded_keyframes() const { return loaded_keyframes_; }
   /// How many frames are in segments that loops link with a loaded map.
   std::size_t FramesInLoadedMap() const;
-
-  /// All that is kept, solved; `features`: of which network.
-  PlaceMap Map(const MapFeatures& features) const;
 
  private:
   struct Frame {

@@ -30,6 +30,13 @@ struct PoseGraphEdge {
   double loss_scale = 0.0;
 };
 
+struct PoseGraph {
+  std::vector<PoseGraphEdge> edges;
+  std::vector<PoseGraphNode> nodes;
+};
+
+std::vector<Rigid3> PosesOf(const PoseGraph& graph);
+
 /// Moves the poses to where they fit the edges best in the sense of least squares (Grisetti et al.
 /// 2010), from where they are. Edges that may be wrong count in full first and by their loss step
 /// by step (graduated non-convexity: Yang et al. 2020), so that many that agree outvote one that
