@@ -43,30 +43,25 @@ vo::Trajectory LargestPart(const vo::Trajectory& trajectory, const std::vector<i
       ->second;
 }
 
-// Of this run's key frames: a loaded map's are of another one, with a truth of its own.
 vo::LoopEvaluation QualityOf(const vo::LoopRecorder& recorder, const std::vector<vo::Rigid3>& poses,
                              const vo::Trajectory& groundtruth) {
-  const std::size_t loaded = recorder.loaded_keyframes();
   const std::vector<vo::LoopKeyframe>& keyframes = recorder.closer().keyframes();
   std::vector<vo::PlaceVisit> visits;
-  for (std::size_t i = loaded; i < keyframes.size(); ++i) {
-    visits.push_back({keyframes[i].timestamp_ns, keyframes[i].segment});
+  for (const vo::LoopKeyframe& keyframe : keyframes) {
+    visits.push_back({keyframe.timestamp_ns, keyframe.segment});
   }
   std::map<std::pair<int64_t, int64_t>, int64_t> closed_ns;
   for (const vo::LoopAttempt& attempt : recorder.closer().attempts()) {
-    if (attempt.is_closed && !attempt.is_of_loaded_map) {
+    if (attempt.is_closed) {
       closed_ns[{attempt.candidate_ns, attempt.query_ns}] = attempt.closed_ns;
     }
   }
   std::vector<vo::BelievedLoop> loops;
   for (const vo::Loop& loop : recorder.closer().loops()) {
-    if (loop.candidate >= loaded && loop.query >= loaded) {
-      loops.push_back({loop.candidate - loaded, loop.query - loaded,
-                       loop.measurement.candidate_from_query,
-                       poses[loop.candidate].Inverse() * poses[loop.query],
-                       closed_ns.at({keyframes[loop.candidate].timestamp_ns,
-                                     keyframes[loop.query].timestamp_ns})});
-    }
+    loops.push_back({loop.candidate, loop.query, loop.measurement.candidate_from_query,
+                     poses[loop.candidate].Inverse() * poses[loop.query],
+                     closed_ns.at({keyframes[loop.candidate].timestamp_ns,
+                                   keyframes[loop.query].timestamp_ns})});
   }
   return vo::EvaluateLoops(visits, loops, groundtruth, {});
 }
@@ -123,7 +118,9 @@ LoopOutcome CloseLoops(const vo::LoopRecorder& recorder, bool has_final_adjustme
   const vo::Trajectory part = LargestPart(outcome.optimized, linked);
   outcome.linked_frames = part.size();
   if (groundtruth) {
-    outcome.quality = QualityOf(recorder, outcome.keyframe_poses, *groundtruth);
+    if (!recorder.has_loaded_map()) {
+      outcome.quality = QualityOf(recorder, outcome.keyframe_poses, *groundtruth);
+    }
     try {
       outcome.evaluation = vo::Evaluate(part, *groundtruth, {});
     } catch (const Error&) {

@@ -24,7 +24,7 @@ struct LoopOutcome {
   /// is truth.
   std::optional<vo::Evaluation> evaluation;
   std::size_t linked_frames = 0;  ///< In that part.
-  /// Recall and precision, where there is truth.
+  /// Recall and precision, where there is truth and no map that has another one.
   std::optional<vo::LoopEvaluation> quality;
   std::optional<vo::GlobalAdjustment> adjustment;  ///< Where one was asked for.
   /// Linked with a loaded map; nothing where none was loaded.

@@ -186,6 +186,18 @@ TEST(LoopConsistency, ADoubtfulMotionRulesNothingOut) {
   EXPECT_EQ(Judge(loop, {}, keyframes, {}), LoopTrust::kTrusted);
 }
 
+TEST(LoopConsistency, WhatADoubtfulMotionLinksAgreesWithNothing) {
+  auto keyframes = Path(30);
+  const double sigma = std::sqrt(OdometryBetween(keyframes, 0, 29).covariance(0, 0));
+  const Loop loop = LoopBetween(keyframes, 0, 29, 6.0 * sigma);
+  const std::vector<Loop> others = {LoopBetween(keyframes, 1, 27, 6.0 * sigma),
+                                    LoopBetween(keyframes, 3, 24, 6.0 * sigma)};
+  ASSERT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kTrusted);
+  keyframes[28].motion_covariance =
+      DoubtfulMotion(keyframes[28].motion_covariance, keyframes[28].motion);
+  EXPECT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kUnsupported);
+}
+
 TEST(LoopConsistency, OdometryBetweenIsTheChain) {
   const auto keyframes = Path(12);
   const LoopMeasurement motion = OdometryBetween(keyframes, 2, 9);

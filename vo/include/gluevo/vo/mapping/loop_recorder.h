@@ -48,8 +48,6 @@ class LoopRecorder {
   /// How many segments of the run hang together with older ones, those of a loaded map too.
   int JoinedSegments() const;
   bool has_loaded_map() const { return loaded_keyframes_ > 0; }
-  /// How many of closer().keyframes(), the first ones, are those of a loaded map.
-  std::size_t loaded_keyframes() const { return loaded_keyframes_; }
   /// How many frames are in segments that loops link with a loaded map.
   std::size_t FramesInLoadedMap() const;
 
