@@ -39,8 +39,7 @@ nn::Features RandomFeatures(int values, std::mt19937& random) {
 void PlaceQuery(benchmark::State& state) {
   std::mt19937 random(1);
   const auto values = static_cast<int>(state.range(1));
-  PlaceCodebook::Centres centres =
-      RandomFeatures(values, random).descriptors.topRows(kCentres);
+  PlaceCodebook::Centres centres = RandomFeatures(values, random).descriptors.topRows(kCentres);
   LoopCloser closer(testing::SimulatedRig(), PlaceCodebook(centres, ""),
                     MakeNearestNeighborMatcher(), {.min_similarity = 1.0});
   std::vector<LoopKeyframe> known;
@@ -84,7 +83,8 @@ void Graph(benchmark::State& state) {
   std::vector<Rigid3> truth;
   for (std::size_t i = 0; i < keyframes; ++i) {
     const double angle = 2.0 * std::numbers::pi * static_cast<double>(i) / kRound;
-    truth.push_back({ExpSo3({0.0, 0.0, angle}), {10.0 * std::cos(angle), 10.0 * std::sin(angle), 0.0}});
+    truth.push_back(
+        {ExpSo3({0.0, 0.0, angle}), {10.0 * std::cos(angle), 10.0 * std::sin(angle), 0.0}});
   }
   PoseGraph graph;
   const auto add = [&](std::size_t a, std::size_t b, double metres, double radians, double loss) {
