@@ -47,6 +47,7 @@ vo::LoopEvaluation QualityOf(const vo::LoopRecorder& recorder, const std::vector
                              const vo::Trajectory& groundtruth) {
   const std::vector<vo::LoopKeyframe>& keyframes = recorder.closer().keyframes();
   std::vector<vo::PlaceVisit> visits;
+  visits.reserve(keyframes.size());
   for (const vo::LoopKeyframe& keyframe : keyframes) {
     visits.push_back({keyframe.timestamp_ns, keyframe.segment});
   }
@@ -57,6 +58,7 @@ vo::LoopEvaluation QualityOf(const vo::LoopRecorder& recorder, const std::vector
     }
   }
   std::vector<vo::BelievedLoop> loops;
+  loops.reserve(recorder.closer().loops().size());
   for (const vo::Loop& loop : recorder.closer().loops()) {
     loops.push_back({loop.candidate, loop.query, loop.measurement.candidate_from_query,
                      poses[loop.candidate].Inverse() * poses[loop.query],

@@ -102,6 +102,7 @@ LoopEvaluation EvaluateLoops(const std::vector<PlaceVisit>& visits,
                              const LoopEvaluationOptions& options) {
   options.Validate();
   Truths truths;
+  truths.reserve(visits.size());
   for (const PlaceVisit& visit : visits) {
     truths.push_back(TruthAt(groundtruth, visit.timestamp_ns, options.max_time_difference_s));
   }

@@ -63,6 +63,7 @@ class Adjustment {
   Adjustment(const LoopCloser& closer, const std::vector<Rigid3>& world_from_body,
              const std::vector<GlobalTrack>& tracks, const GlobalAdjustmentOptions& options)
       : closer_(closer), options_(options) {
+    poses_.reserve(world_from_body.size());
     for (const Rigid3& pose : world_from_body) {
       poses_.push_back(internal::ParametersOf(pose));
     }

@@ -90,6 +90,7 @@ PoseGraph LoopCloser::Graph() const {
     }
   }
   std::vector<PoseGraphNode> nodes;
+  nodes.reserve(keyframes_.size());
   std::set<int> begun;
   for (const LoopKeyframe& keyframe : keyframes_) {
     internal::LinkedSegment& segment = segments.at(keyframe.segment);

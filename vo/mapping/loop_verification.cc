@@ -122,6 +122,7 @@ LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const Loop
   }
   check.inliers = by_candidate->inliers;
   std::vector<int> seen;
+  seen.reserve(by_candidate->fitting.size());
   for (const Pair& pair : by_candidate->fitting) {
     seen.push_back(pair.seen);
   }

@@ -77,6 +77,7 @@ std::vector<Rigid3> PosesOf(const PoseGraph& graph) {
 
 void OptimizePoseGraph(const std::vector<PoseGraphEdge>& edges, std::vector<PoseGraphNode>& nodes) {
   std::vector<internal::PoseParameters> poses;
+  poses.reserve(nodes.size());
   for (const PoseGraphNode& node : nodes) {
     poses.push_back(internal::ParametersOf(node.world_from_body));
   }
