@@ -18,14 +18,12 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
-#include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/mapping/map.h"
 #include "gluevo/vo/pipeline/loop_config.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "interruption.h"
-#include "options/dataset_options.h"
 #include "options/estimator_options.h"
 #include "options/frontend_options.h"
 #include "options/loop_options.h"
@@ -38,24 +36,12 @@
 #include "run_metrics.h"
 #include "run_outputs.h"
 #include "run_replay.h"
+#include "run_setup.h"
 
 namespace gluevo::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct RunArguments {
-  fs::path dataset;
-  RunPlaces places;
-  fs::path config_file;
-  std::string preset;
-  DatasetArguments frames;
-  fs::path save_matches;
-  fs::path replay;
-  bool is_strict = false;
-  vo::OdometryConfig config;
-  vo::LoopConfig loops;
-};
 
 void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
@@ -75,9 +61,10 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
   CLI::Option* const save = command.add_option("--save-matches", arguments.save_matches,
                                                "HDF5 file to write the matches of all frames to");
   command
-      .add_option("--replay", arguments.replay,
-                  "Take the matches from such a file: reads no images and runs no networks; the "
-                  "frames are the stored run's where no option chooses others")
+      .add_option(
+          "--replay", arguments.replay,
+          "Take the matches from such a file: reads no images and runs no networks, but for "
+          "--loops; the frames are the stored run's where no option chooses others")
       ->excludes(save);
   command.add_flag("--imu-rate", arguments.places.has_imu_rate,
                    "Write imu_rate, too: a pose for every reading of the inertial unit");
@@ -117,90 +104,7 @@ void CheckOutputs(const RunArguments& arguments) {
   CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }
 
-std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
-  std::vector<int64_t> timestamps_ns;
-  for (const vo::Dataset::Entry& entry : dataset.entries) {
-    timestamps_ns.push_back(entry.timestamp_ns);
-  }
-  return timestamps_ns;
-}
-
-// Everything that a run needs and that can fail, before its first frame.
-struct Setup {
-  vo::Dataset dataset;
-  std::string method;
-  std::string features;  ///< Empty where the method has none, as the next.
-  std::string matcher;
-  OptionOrigins origins;
-  vo::Networks networks;
-  std::unique_ptr<vo::FrontEnd> frontend;
-  std::optional<vo::LoopRecorder> loops;
-  bool reads_images = true;
-  bool uses_imu = false;
-};
-
-void MakeFrontEndAndLoops(const RunArguments& arguments, nn::ThreadPool& pool, Setup& setup) {
-  const vo::FrontEndConfig& config = arguments.config.frontend;
-  std::shared_ptr<vo::FeatureExtractor> shared;
-  if (arguments.loops.is_on) {
-    setup.networks = vo::LoadNetworksWithLoops(config);
-    shared = std::make_shared<vo::ExtractorMemo>(
-        vo::MakeFrontEndExtractor(config, setup.networks, pool));
-    setup.loops.emplace(
-        vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, setup.networks, shared, pool));
-  } else {
-    setup.networks = vo::LoadFrontEndNetworks(config);
-  }
-  setup.frontend = vo::MakeFrontEnd(config, setup.dataset.rig, setup.networks, pool, shared);
-}
-
-Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
-            nn::ThreadPool& pool) {
-  Setup setup;
-  setup.method = arguments.config.frontend.method;
-  if (arguments.loops.is_on && !arguments.replay.empty()) {
-    throw Error("--loops on needs the images, which --replay does not read");
-  }
-  std::optional<vo::MatchStoreReader> store;
-  if (!arguments.replay.empty()) {
-    store.emplace(arguments.replay);
-    setup.method = ReplayedMethod(command, *store);
-    SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
-                         arguments.frames.stride);
-  }
-  setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
-  setup.uses_imu =
-      ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
-  if (arguments.places.has_imu_rate && !setup.uses_imu) {
-    throw Error(arguments.dataset.string() +
-                ": no inertial unit is used, which --imu-rate needs (see --imu)");
-  }
-  if (arguments.config.odometry.inertial.estimate_time_offset && !setup.uses_imu) {
-    throw Error(setup.dataset.root.string() +
-                ": no inertial unit is used, which --estimate-time-offset needs (see --imu)");
-  }
-  PrintNotes(setup.dataset);
-  if (store) {
-    LeaveOutReplayed(*store, setup.dataset);
-  }
-  setup.origins =
-      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
-  setup.reads_images = !store || !arguments.places.map.empty();
-  if (store) {
-    setup.networks.records = ReplayedWeights(*store);
-    setup.features = ReplayedFeatures(*store);
-    setup.matcher = ReplayedMatcher(*store);
-    setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
-                                                          TimesOf(setup.dataset));
-  } else {
-    setup.features = setup.method == "klt" ? "" : arguments.config.frontend.features;
-    setup.matcher = vo::MatcherOf(arguments.config.frontend);
-    MakeFrontEndAndLoops(arguments, pool, setup);
-  }
-  return setup;
-}
-
-RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, Setup& setup) {
+RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, RunSetup& setup) {
   RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt")};
   if (!arguments.save_matches.empty()) {
@@ -222,7 +126,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
   CheckOutputs(arguments);
   nn::ThreadPool pool(arguments.config.threads);
   cv::setNumThreads(pool.size());
-  Setup setup = SetUp(arguments, command, given, pool);
+  RunSetup setup = SetUp(arguments, command, given, pool);
   const vo::OutputDirectory output(arguments.places.folder);
   std::optional<vo::OutputDirectory> map_output;
   if (!arguments.places.map.empty()) {
@@ -264,7 +168,8 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
                                  .imu = MakeImuRecord(setup.dataset, odometry)};
   AddEvaluations(setup.dataset, records, context);
   if (records.loops) {
-    context.loops = CloseLoops(*records.loops, setup.dataset.groundtruth);
+    context.loops =
+        CloseLoops(*records.loops, arguments.loops.has_final_adjustment, setup.dataset.groundtruth);
   }
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);

@@ -110,6 +110,7 @@ void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frames_.push_back(result);
   // The record must stay small however long the sequence is.
   frames_.back().tracked_frame = {};
+  frames_.back().window = {};
   stages_ms_["read"].push_back(read_ms_);
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);

@@ -99,8 +99,8 @@ void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
 
 // Localised frames are in the world of trajectory_optimized.
 void WritePlaces(const RunPlaces& places, const RunRecords& records,
-                 const vo::MapFeatures& features) {
-  vo::PlaceMap map = records.loops->Map(features);
+                 const std::vector<vo::Rigid3>& keyframe_poses, const vo::MapFeatures& features) {
+  vo::PlaceMap map = vo::MakePlaceMap(records.loops->closer(), keyframe_poses, features);
   if (const auto new_from_old_world = WorldOfPlaces(records).new_from_old_world) {
     for (vo::LoopKeyframe& keyframe : map.keyframes) {
       keyframe.world_from_body = *new_from_old_world * keyframe.world_from_body;
@@ -188,7 +188,9 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
     attempt([&] { records.matches->Finish(); });
   }
   if (!places.saved_map.empty()) {
-    attempt([&] { WritePlaces(places, records, vo::FeaturesOf(context.weights)); });
+    attempt([&] {
+      WritePlaces(places, records, context.loops->keyframe_poses, vo::FeaturesOf(context.weights));
+    });
   }
   if (records.map) {
     attempt([&] { WriteMap(places.map, records); });

@@ -81,6 +81,23 @@ std::vector<vo::WeightsRecord> ReplayedWeights(const vo::MatchStoreReader& store
   return records;
 }
 
+void AddReplayedWeights(const std::vector<vo::WeightsRecord>& more,
+                        const std::filesystem::path& store,
+                        std::vector<vo::WeightsRecord>& replayed) {
+  for (const vo::WeightsRecord& record : more) {
+    const auto stored =
+        std::find_if(replayed.begin(), replayed.end(),
+                     [&](const vo::WeightsRecord& one) { return one.network == record.network; });
+    if (stored == replayed.end()) {
+      replayed.push_back(record);
+    } else if (stored->checksum != record.checksum) {
+      throw Error(store.string() + ": matches by the " + record.network + " weights " +
+                  Quoted(stored->source) + ", --loops would use " + Quoted(record.source) +
+                  "; expected the same");
+    }
+  }
+}
+
 std::string ReplayedFeatures(const vo::MatchStoreReader& store) {
   const vo::RunRecord& record = store.record();
   const std::string features = ValueOf(record.options, "features");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ void LeaveOutReplayed(const vo::MatchStoreReader& store, vo::Dataset& dataset);
 
 /// Names and checksums of the weights of the stored run's networks.
 std::vector<vo::WeightsRecord> ReplayedWeights(const vo::MatchStoreReader& store);
+
+/// Adds the weights of more networks that a replay of `store` runs to those of the stored run.
+/// Throws Error naming both where one network would have two weights.
+void AddReplayedWeights(const std::vector<vo::WeightsRecord>& more,
+                        const std::filesystem::path& store,
+                        std::vector<vo::WeightsRecord>& replayed);
 
 /// What found keypoints in the stored run ("superpoint", "aliked"), and what matched them; empty
 /// for methods without. Versions that did not know others have SuperPoint and SuperGlue.

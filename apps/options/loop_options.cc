@@ -1,9 +1,7 @@
 #include "loop_options.h"
 
 #include <CLI/CLI.hpp>
-#include <string>
 
-#include "command_line/value_checks.h"
 #include "gluevo/nn/error.h"
 #include "option_group.h"
 
@@ -12,13 +10,10 @@ namespace gluevo::apps {
 void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::path& save_map,
                     vo::MapCullingOptions& culling) {
   OptionGroup loops(command, "Loops");
-  loops
-      .Add("--loops", config.is_on,
-           "on: recognise places that were seen before, and write trajectory_optimized, which fits "
-           "them; the other results stay as they are without")
-      ->check(OneOf({"off", "on"}))
-      ->default_function([&config] { return std::string(config.is_on ? "on" : "off"); })
-      ->capture_default_str();
+  loops.AddSwitch(
+      "--loops", config.is_on,
+      "on: recognise places that were seen before, and write trajectory_optimized, which fits "
+      "them; the other results stay as they are without");
   loops.Add("--codebook", config.codebook,
             "Of places, made by gluevo codebook; without one that of the built-in SuperPoint");
   loops.Add("--save-map", save_map,
@@ -35,17 +30,17 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", config.options.max_candidates,
             "So many of the most similar places are verified");
+  loops.AddSwitch("--final-adjustment", config.has_final_adjustment,
+                  "on: with --loops on, adjust all key frames and points together in the end; kept "
+                  "where it lowers the error of views that took no part");
   AddCullingOption(loops, culling);
 }
 
 void AddCullingOption(OptionGroup& group, vo::MapCullingOptions& culling) {
-  group
-      .Add("--cull-map", culling.is_on,
-           "on: a map keeps no key frame whose points three older ones show, and so grows with the "
-           "space that was seen, not with time")
-      ->check(OneOf({"off", "on"}))
-      ->default_function([&culling] { return std::string(culling.is_on ? "on" : "off"); })
-      ->capture_default_str();
+  group.AddSwitch(
+      "--cull-map", culling.is_on,
+      "on: a map keeps no key frame whose points three older ones show, and so grows with the "
+      "space that was seen, not with time");
 }
 
 void TurnOnForMaps(CLI::App& command, vo::LoopConfig& config,

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "command_line/value_checks.h"
+
 namespace gluevo::apps {
 
 /// Adds options under one heading of --help; the value that a variable has is its default.
@@ -15,6 +17,13 @@ class OptionGroup {
   template <typename Value>
   CLI::Option* Add(const std::string& name, Value& value, const std::string& help) {
     return command_.add_option(name, value, help)->capture_default_str()->group(heading_);
+  }
+  /// One that is off or on.
+  CLI::Option* AddSwitch(const std::string& name, bool& value, const std::string& help) {
+    return Add(name, value, help)
+        ->check(OneOf({"off", "on"}))
+        ->default_function([&value] { return std::string(value ? "on" : "off"); })
+        ->capture_default_str();
   }
 
  private:

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "apps/command_test.h"
 
@@ -71,16 +73,58 @@ TEST_F(LoopsTest, PlacesAreToldByTheWeightsTheyWereMadeWith) {
   EXPECT_NE(other.error.find("centres"), std::string::npos) << other.error;
 }
 
-TEST_F(LoopsTest, ReplayHasNoImages) {
+TEST_F(LoopsTest, AKidnappedRigIsFoundAgain) {
+  // A lap of 20 s at four frames a second; what is left of the next one begins a quarter of it on.
+  const fs::path flight = Flight("30");
+  constexpr int kLap = 80;
+  constexpr int kTaken = 20;
+  for (const std::string camera : {"cam0", "cam1"}) {
+    std::vector<fs::path> images;
+    for (const auto& entry : fs::directory_iterator(flight / "mav0" / camera / "data")) {
+      images.push_back(entry.path());
+    }
+    std::sort(images.begin(), images.end());
+    for (int i = kLap; i < kLap + kTaken; ++i) {
+      fs::remove(images[i]);
+    }
+  }
+  const Outcome run =
+      Run("run " + flight.string() +
+          " --method klt --imu off --loops on --final-adjustment on -o " + Path("kidnapped"));
+  ASSERT_EQ(run.exit_code, 0) << run.error;
+  const nlohmann::json metrics = Metrics("kidnapped");
+  EXPECT_EQ(metrics["segments_joined"], 1);
+  const nlohmann::json& quality = metrics["loop_evaluation"];
+  EXPECT_EQ(quality["wrong"], 0);
+  ASSERT_EQ(quality["joins"].size(), 1U);
+  EXPECT_LE(quality["joins"][0]["joined_after_s"], 2.0);
+  EXPECT_LT(metrics["optimized"]["ate_se3_m"], 0.1);
+  EXPECT_NE(run.out.find("final adjustment: "), std::string::npos) << run.out;
+  const nlohmann::json& adjustment = metrics["final_adjustment"];
+  EXPECT_GT(adjustment["held_out"], 0);
+  EXPECT_EQ(adjustment["kept"],
+            adjustment["held_out_error_after_px"] < adjustment["held_out_error_before_px"]);
+}
+
+TEST_F(LoopsTest, FinalAdjustmentIsOfWhatLoopsKeep) {
+  const Outcome outcome =
+      Run("run " + Flight("1") + " --method klt --final-adjustment on -o " + Path("out"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.error.find("--loops on"), std::string::npos) << outcome.error;
+}
+
+TEST_F(LoopsTest, AReplayHasTheLoopsOfItsRun) {
   const std::string flight = Flight("1");
   const std::string matches = Path("matches.h5");
-  ASSERT_EQ(Run("run " + flight + " --method klt -o " + Path("a") + " --save-matches " + matches)
+  ASSERT_EQ(Run("run " + flight + " --method klt --loops on -o " + Path("a") + " --save-matches " +
+                matches)
                 .exit_code,
             0);
   const Outcome outcome =
       Run("run " + flight + " -o " + Path("b") + " --loops on --replay " + matches);
-  EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.error.find("--loops on needs the images"), std::string::npos) << outcome.error;
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_EQ(Contents(fs::path(Path("a")) / "trajectory_optimized.tum"),
+            Contents(fs::path(Path("b")) / "trajectory_optimized.tum"));
 }
 
 }  // namespace

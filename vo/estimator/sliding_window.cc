@@ -47,6 +47,15 @@ std::size_t SlidingWindow::CountLandmarks() const {
                     [](const auto& entry) { return entry.second.point.has_value(); }));
 }
 
+Trajectory SlidingWindow::Poses() const {
+  Trajectory poses;
+  poses.reserve(frames_.size());
+  for (const Frame& frame : frames_) {
+    poses.push_back({frame.timestamp_ns, frame.world_from_body});
+  }
+  return poses;
+}
+
 std::vector<MapPoint> SlidingWindow::MapPoints() const {
   std::vector<MapPoint> points;
   for (const auto& [id, landmark] : landmarks_) {

@@ -1,50 +1,12 @@
 #include "gluevo/vo/mapping/loop_closer.h"
 
 #include <algorithm>
-#include <map>
-#include <set>
 #include <utility>
 
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/seconds.h"
-#include "gluevo/vo/mapping/pose_graph.h"
-#include "linked_segments.h"
 
 namespace gluevo::vo {
-namespace {
-
-// Standard deviations from which on errors of loops and of odometry's motions count less. A loop
-// that is trusted has been verified both ways; a motion between frames far apart is the likelier to
-// be wrong.
-constexpr double kLoopLoss = 8.0;
-constexpr double kOdometryLoss = 4.0;
-
-// What no estimate is better than: a tenth of a millimetre, a hundredth of a milliradian.
-PoseCovariance WithFloor(const PoseCovariance& covariance) {
-  PoseCovariance floored = covariance;
-  floored.diagonal().head<3>().array() += 1e-8;
-  floored.diagonal().tail<3>().array() += 1e-10;
-  return floored;
-}
-
-std::vector<PoseGraphEdge> Edges(const std::vector<LoopKeyframe>& keyframes,
-                                 const std::vector<Loop>& loops) {
-  std::vector<PoseGraphEdge> edges;
-  for (std::size_t i = 1; i < keyframes.size(); ++i) {
-    if (keyframes[i].segment == keyframes[i - 1].segment) {
-      const LoopMeasurement odometry = OdometryBetween(keyframes, i - 1, i);
-      edges.push_back(
-          {i - 1, i, odometry.candidate_from_query, WithFloor(odometry.covariance), kOdometryLoss});
-    }
-  }
-  for (const Loop& loop : loops) {
-    edges.push_back({loop.candidate, loop.query, loop.measurement.candidate_from_query,
-                     WithFloor(loop.measurement.covariance), kLoopLoss});
-  }
-  return edges;
-}
-
-}  // namespace
 
 void LoopOptions::Validate() const {
   CheckWithin(interval_s, 0.0, 1e9, "loops.interval_s (--loop-interval)");
@@ -76,6 +38,10 @@ void LoopCloser::Add(LoopKeyframe keyframe) {
   places_.push_back(codebook_.Describe(keyframe.features));
   keyframes_.push_back(std::move(keyframe));
   Verify(FindCandidates());
+}
+
+void LoopCloser::SetUp(int segment, const Eigen::Vector3d& up_in_world) {
+  up_in_world_[segment] = up_in_world;
 }
 
 std::vector<LoopCloser::Candidate> LoopCloser::FindCandidates() const {
@@ -147,6 +113,7 @@ void LoopCloser::Trust(const Loop& loop, std::size_t attempt) {
     const LoopTrust trust = Judge(waiting, others, keyframes_, options_.consistency);
     LoopAttempt& told = attempts_[unsupported_attempts_[i]];
     told.is_closed = trust == LoopTrust::kTrusted;
+    told.closed_ns = told.is_closed ? keyframes_.back().timestamp_ns : 0;
     told.reason = trust == LoopTrust::kTrusted       ? ""
                   : trust == LoopTrust::kUnsupported ? "no other loop agrees"
                                                      : "the path cannot be as wrong as that";
@@ -161,20 +128,11 @@ void LoopCloser::Trust(const Loop& loop, std::size_t attempt) {
 }
 
 std::vector<Rigid3> LoopCloser::Optimized() const {
-  const std::map<int, internal::LinkedSegment> segments =
-      internal::LinkSegments(keyframes_, loops_);
-  std::vector<Rigid3> world_from_body;
-  std::vector<bool> is_fixed;
-  std::set<int> anchored;
-  for (const LoopKeyframe& keyframe : keyframes_) {
-    const internal::LinkedSegment& segment = segments.at(keyframe.segment);
-    world_from_body.push_back(segment.root_from_segment * keyframe.world_from_body);
-    is_fixed.push_back(anchored.insert(segment.root).second);
-  }
+  PoseGraph graph = Graph();
   if (!loops_.empty()) {
-    OptimizePoseGraph(Edges(keyframes_, loops_), is_fixed, world_from_body);
+    OptimizePoseGraph(graph.edges, graph.nodes);
   }
-  return world_from_body;
+  return PosesOf(graph);
 }
 
 }  // namespace gluevo::vo

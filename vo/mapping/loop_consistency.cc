@@ -1,6 +1,7 @@
 #include "gluevo/vo/mapping/loop_consistency.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "gluevo/vo/core/options_check.h"
@@ -36,25 +37,31 @@ bool IsApart(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyf
   return seconds(x.query, y.query) >= min_apart_s;
 }
 
-bool Agree(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyframes,
-           double max_error) {
-  const LoopMeasurement around =
-      Chained(Chained(AnyOrder(keyframes, x.candidate, y.candidate), y.measurement),
-              AnyOrder(keyframes, y.query, x.query));
-  return SquaredError(around, x.measurement) <= max_error;
-}
-
-// Whether odometry has a say of the motion between them.
+// Whether odometry has a say of the motion between them, in either order.
 bool IsFollowed(const std::vector<LoopKeyframe>& keyframes, std::size_t a, std::size_t b) {
-  if (keyframes[a].segment != keyframes[b].segment) {
+  const auto [first, last] = std::minmax(a, b);
+  if (keyframes[first].segment != keyframes[last].segment) {
     return false;
   }
-  for (std::size_t i = a + 1; i <= b; ++i) {
+  for (std::size_t i = first + 1; i <= last; ++i) {
     if (IsDoubtful(keyframes[i].motion_covariance)) {
       return false;
     }
   }
   return true;
+}
+
+// What is linked by a doubtful motion agrees with anything, and so with nothing.
+bool Agree(const Loop& x, const Loop& y, const std::vector<LoopKeyframe>& keyframes,
+           double max_error) {
+  if (!IsFollowed(keyframes, x.candidate, y.candidate) ||
+      !IsFollowed(keyframes, x.query, y.query)) {
+    return false;
+  }
+  const LoopMeasurement around =
+      Chained(Chained(AnyOrder(keyframes, x.candidate, y.candidate), y.measurement),
+              AnyOrder(keyframes, y.query, x.query));
+  return SquaredError(around, x.measurement) <= max_error;
 }
 
 bool LinksTheSameSegments(const Loop& x, const Loop& y,
@@ -77,9 +84,7 @@ LoopMeasurement OdometryBetween(const std::vector<LoopKeyframe>& keyframes, std:
                                 std::size_t b) {
   LoopMeasurement motion;
   for (std::size_t i = a + 1; i <= b; ++i) {
-    motion =
-        Chained(motion, {keyframes[i - 1].world_from_body.Inverse() * keyframes[i].world_from_body,
-                         keyframes[i].motion_covariance});
+    motion = Chained(motion, {keyframes[i].motion, keyframes[i].motion_covariance});
   }
   return motion;
 }

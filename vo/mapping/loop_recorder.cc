@@ -13,6 +13,9 @@
 namespace gluevo::vo {
 namespace {
 
+// Of gravity's direction, radians: what a loop knows of a tilt.
+constexpr double kKnownGravity = 2e-3;
+
 // From a to b, which are one pose as two neighbours have it.
 Rigid3 Blend(const Rigid3& a, const Rigid3& b, double share) {
   return {a.rotation.slerp(share, b.rotation),
@@ -67,6 +70,10 @@ void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, cons
     pending_.clear();
   }
   frames_.push_back({{result.timestamp_ns, result.world_from_body}, segment});
+  Revise(result.window);
+  if (result.inertial && result.inertial->gravity_sigma < kKnownGravity) {
+    closer_.SetUp(segment, -result.inertial->gravity_in_world.normalized());
+  }
   if (!starts_segment && result.is_keyframe) {
     since_kept_ = Compose(since_kept_, result.keyframe_from_body,
                           result.is_doubtful
@@ -80,6 +87,29 @@ void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, cons
   }
 }
 
+void LoopRecorder::Revise(const Trajectory& window) {
+  // The newest key frames are the ones that may be in it.
+  const std::vector<LoopKeyframe>& kept = closer_.keyframes();
+  auto pose = window.rbegin();
+  for (std::size_t i = kept.size(); i > loaded_keyframes_ && pose != window.rend(); --i) {
+    const std::size_t keyframe = i - 1;
+    while (pose != window.rend() && pose->timestamp_ns > kept[keyframe].timestamp_ns) {
+      ++pose;
+    }
+    if (pose == window.rend() || pose->timestamp_ns != kept[keyframe].timestamp_ns) {
+      continue;
+    }
+    revised_[keyframe - loaded_keyframes_] = pose->world_from_body;
+    for (const std::size_t end : {keyframe, keyframe + 1}) {
+      if (end > loaded_keyframes_ && end < kept.size() &&
+          kept[end].segment == kept[end - 1].segment) {
+        closer_.Revise(end, revised_[end - 1 - loaded_keyframes_].Inverse() *
+                                revised_[end - loaded_keyframes_]);
+      }
+    }
+  }
+}
+
 void LoopRecorder::Keep(const StereoFrame& frame, const FrameResult& result, int segment,
                         const StereoRig& rig) {
   LoopKeyframe keyframe{.timestamp_ns = result.timestamp_ns,
@@ -88,13 +118,21 @@ void LoopRecorder::Keep(const StereoFrame& frame, const FrameResult& result, int
                         .motion_covariance = since_kept_};
   internal::FindKeypoints(frame, rig, *extractor_, *matcher_, options_.verification.match_threshold,
                           keyframe);
+  if (!revised_.empty() && closer_.keyframes().back().segment == segment) {
+    keyframe.motion = revised_.back().Inverse() * result.world_from_body;
+  }
+  revised_.push_back(result.world_from_body);
   closer_.Add(std::move(keyframe));
   since_kept_ = PoseCovariance::Zero();
 }
 
-Trajectory LoopRecorder::Optimized() const {
+GlobalAdjustment LoopRecorder::Adjust(const std::vector<Rigid3>& keyframes,
+                                      const GlobalAdjustmentOptions& options) const {
+  return AdjustGlobally(closer_, keyframes, *matcher_, options);
+}
+
+Trajectory LoopRecorder::Follow(const std::vector<Rigid3>& keyframes) const {
   const std::vector<LoopKeyframe>& kept = closer_.keyframes();
-  const std::vector<Rigid3> optimized = closer_.Optimized();
   Trajectory trajectory;
   trajectory.reserve(frames_.size());
   std::size_t next = loaded_keyframes_;  // The first kept one after the frame.
@@ -103,7 +141,7 @@ Trajectory LoopRecorder::Optimized() const {
       ++next;
     }
     const auto by = [&](std::size_t i) {
-      return optimized[i] * (kept[i].world_from_body.Inverse() * frame.pose.world_from_body);
+      return keyframes[i] * (kept[i].world_from_body.Inverse() * frame.pose.world_from_body);
     };
     const bool has_before = next > loaded_keyframes_ && kept[next - 1].segment == frame.segment;
     const bool has_after = next < kept.size() && kept[next].segment == frame.segment;
@@ -146,10 +184,6 @@ std::size_t LoopRecorder::FramesInLoadedMap() const {
   const std::vector<int> linked = LinkedSegments();
   return static_cast<std::size_t>(std::count_if(
       linked.begin(), linked.end(), [&](int segment) { return segment < loaded_segments_; }));
-}
-
-PlaceMap LoopRecorder::Map(const MapFeatures& features) const {
-  return MakePlaceMap(closer_, features);
 }
 
 }  // namespace gluevo::vo

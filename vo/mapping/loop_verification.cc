@@ -7,6 +7,7 @@
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
 #include "keyframe_views.h"
+#include "two_view_refinement.h"
 
 namespace gluevo::vo {
 namespace {
@@ -21,7 +22,7 @@ struct Located {
   Rigid3 known_from_seen;
   PoseCovariance covariance;
   int inliers = 0;
-  std::vector<int> seen;  // The inliers' keypoints.
+  std::vector<Pair> fitting;  // The inliers.
 };
 
 // Where the key frame `seen` is, by the points of `known`.
@@ -30,7 +31,7 @@ std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
                               const LoopVerificationOptions& options, std::string& reason) {
   const double baseline = rig.baseline();
   std::vector<PnpObservation> observations;
-  std::vector<int> keypoints;
+  std::vector<Pair> used;
   for (const Pair& pair : pairs) {
     const StereoKeypoint& point = known.keypoints[pair.known];
     const StereoKeypoint& view = seen.keypoints[pair.seen];
@@ -42,7 +43,7 @@ std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
          .left = view.left,
          .has_right = view.has_right,
          .right = view.right});
-    keypoints.push_back(pair.seen);
+    used.push_back(pair);
   }
   const std::optional<PnpResult> pose = SolvePnp(rig, observations, {}, options.pnp);
   if (!pose) {
@@ -55,9 +56,9 @@ std::optional<Located> Locate(const StereoRig& rig, const LoopKeyframe& known,
     return std::nullopt;
   }
   Located located{pose->world_from_body, pose->covariance, pose->inliers, {}};
-  for (std::size_t i = 0; i < keypoints.size(); ++i) {
+  for (std::size_t i = 0; i < used.size(); ++i) {
     if (pose->verdicts[i] != PnpVerdict::kOutlier) {
-      located.seen.push_back(keypoints[i]);
+      located.fitting.push_back(used[i]);
     }
   }
   return located;
@@ -70,6 +71,19 @@ double Disagreement(const Located& forth, const Located& back) {
   const Eigen::Matrix<double, 6, 6> through = ErrorThrough(back.known_from_seen.Inverse());
   const PoseCovariance both = forth.covariance + through * back.covariance * through.transpose();
   return error.dot(both.ldlt().solve(error));
+}
+
+// By all cameras' views of the inliers.
+LoopMeasurement Refined(const StereoRig& rig, const LoopKeyframe& query,
+                        const LoopKeyframe& candidate, const Located& located,
+                        const LoopVerificationOptions& options) {
+  std::vector<internal::TwoViewPoint> points;
+  points.reserve(located.fitting.size());
+  for (const Pair& pair : located.fitting) {
+    points.push_back({candidate.keypoints[pair.known], query.keypoints[pair.seen]});
+  }
+  return internal::RefineMotion(rig, points, located.known_from_seen, options.pnp.noise_px)
+      .value_or(LoopMeasurement{located.known_from_seen, located.covariance});
 }
 
 }  // namespace
@@ -107,8 +121,12 @@ LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const Loop
     return check;
   }
   check.inliers = by_candidate->inliers;
-  if (const int fields = internal::CountFields(query.features, by_candidate->seen);
-      fields < options.min_fields) {
+  std::vector<int> seen;
+  seen.reserve(by_candidate->fitting.size());
+  for (const Pair& pair : by_candidate->fitting) {
+    seen.push_back(pair.seen);
+  }
+  if (const int fields = internal::CountFields(query.features, seen); fields < options.min_fields) {
     check.reason = "all points in " + std::to_string(fields) + " of 16 fields of the image";
     return check;
   }
@@ -121,7 +139,7 @@ LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const Loop
     check.reason = "the two ways disagree";
     return check;
   }
-  check.measurement = {by_candidate->known_from_seen, by_candidate->covariance};
+  check.measurement = Refined(rig, query, candidate, *by_candidate, options);
   return check;
 }
 

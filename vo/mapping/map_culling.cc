@@ -183,9 +183,10 @@ PlaceMap CullPlaceMap(PlaceMap map, const MapCullingOptions& options) {
     const bool starts_segment =
         culled.keyframes.empty() || map.keyframes[last].segment != keyframe.segment;
     segment += starts_segment ? 1 : 0;
-    keyframe.motion_covariance = starts_segment
-                                     ? PoseCovariance(PoseCovariance::Zero())
-                                     : OdometryBetween(map.keyframes, last, i).covariance;
+    const LoopMeasurement motion =
+        starts_segment ? LoopMeasurement() : OdometryBetween(map.keyframes, last, i);
+    keyframe.motion = motion.candidate_from_query;
+    keyframe.motion_covariance = motion.covariance;
     keyframe.segment = segment;
     number[i] = culled.keyframes.size();
     culled.keyframes.push_back(std::move(keyframe));

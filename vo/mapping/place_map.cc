@@ -28,12 +28,13 @@ bool IsSameCamera(const Camera& a, const Camera& b) {
 
 }  // namespace
 
-PlaceMap MakePlaceMap(const LoopCloser& closer, const MapFeatures& features) {
+PlaceMap MakePlaceMap(const LoopCloser& closer, const std::vector<Rigid3>& map_from_body,
+                      const MapFeatures& features) {
   PlaceMap map{.features = features,
                .rig = closer.rig(),
                .keyframes = closer.keyframes(),
                .loops = closer.loops(),
-               .map_from_body = closer.Optimized()};
+               .map_from_body = map_from_body};
   int number = -1;
   int last = -1;
   for (LoopKeyframe& keyframe : map.keyframes) {

@@ -21,7 +21,7 @@
 ///               fx fy cx cy, 8 coefficients; pose body_from_cam
 ///     u32       D, values of a descriptor
 ///     u32       key frames, then each: i64 time (ns), u32 segment, pose world_from_body, pose
-///               map_from_body, covariance of the motion since the key frame before, u32 N
+///               map_from_body, motion since the key frame before (pose) and its covariance, u32 N
 ///               keypoints, then N x 2 u16 pixels in the left image, N u16 scores (65535: 1), N x 2
 ///               u16 pixels in the right image (65535 65535: not seen there), N float inverse
 ///               depths (1/m, 0: none), N x D i8 descriptors (to be made unit length)
@@ -34,7 +34,7 @@
 namespace gluevo::vo::place_map {
 
 inline constexpr std::string_view kMark("gluevo map\r\n\x1a\n\0\0", 16);
-inline constexpr uint32_t kVersion = 1;
+inline constexpr uint32_t kVersion = 2;
 inline constexpr std::size_t kChecksumSize = 64;
 inline constexpr std::size_t kHeaderSize = kMark.size() + 16 + kChecksumSize;
 
@@ -44,7 +44,7 @@ inline constexpr int kLargestDescriptor = 4096;
 
 /// Bytes of a keypoint without its descriptor, and of a key frame without keypoints.
 inline constexpr std::size_t kKeypointSize = 14;
-inline constexpr std::size_t kKeyframeSize = 8 + 4 + 2 * 56 + 168 + 4;
+inline constexpr std::size_t kKeyframeSize = 8 + 4 + 3 * 56 + 168 + 4;
 inline constexpr std::size_t kLoopSize = 4 + 4 + 56 + 168 + 4;
 inline constexpr std::size_t kLargestKeyframe = 118'000;
 

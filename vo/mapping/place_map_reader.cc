@@ -193,6 +193,7 @@ void TakeKeyframes(Cursor& cursor, PlaceMap& map) {
     keyframe.segment = static_cast<int>(segment);
     keyframe.world_from_body = cursor.TakePose("the pose of " + what);
     map.map_from_body.push_back(cursor.TakePose("the pose of " + what));
+    keyframe.motion = cursor.TakePose("the motion of " + what);
     keyframe.motion_covariance = cursor.TakeCovariance("the covariance of " + what);
     TakeKeypoints(map.rig, descriptor_size, what, cursor, keyframe);
     map.keyframes.push_back(std::move(keyframe));

@@ -157,6 +157,7 @@ Body MakeBody(const PlaceMap& map) {
     body.Put(static_cast<uint32_t>(keyframe.segment));
     body.PutPose(keyframe.world_from_body);
     body.PutPose(map.map_from_body[i]);
+    body.PutPose(keyframe.motion);
     body.PutCovariance(keyframe.motion_covariance);
     PutKeypoints(map.rig, keyframe, body);
   }

@@ -52,7 +52,7 @@ PlaceMap MergeMaps(const LocalizerConfig& config, const LoopOptions& options, co
     keyframe.segment += first;
     closer.Add(std::move(keyframe));
   }
-  return MakePlaceMap(closer, map.features);
+  return MakePlaceMap(closer, closer.Optimized(), map.features);
 }
 
 }  // namespace gluevo::vo

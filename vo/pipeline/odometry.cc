@@ -125,6 +125,7 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
     Estimate(tracked, *pose);
   }
   result.world_from_body = window_->world_from_body();
+  result.window = window_->Poses();
   result.is_keyframe = window_->newest_is_keyframe();
   result.inliers = pose->inliers;
   Describe(result);

@@ -98,6 +98,9 @@ std::vector<LoopKeyframe> Path(int count, const std::vector<int>& segment_starts
     segment += static_cast<int>(std::count(segment_starts.begin(), segment_starts.end(), i));
     LoopKeyframe keyframe{.timestamp_ns = i * kStepNs, .segment = segment};
     keyframe.world_from_body = {ExpSo3({0.0, 0.0, 0.1 * i}), {0.5 * i, 0.1 * i, 0.0}};
+    if (i > 0) {
+      keyframe.motion = keyframes.back().world_from_body.Inverse() * keyframe.world_from_body;
+    }
     keyframe.motion_covariance.diagonal() << 1e-4, 1e-4, 1e-4, 1e-6, 1e-6, 1e-6;
     keyframes.push_back(keyframe);
   }
@@ -183,6 +186,18 @@ TEST(LoopConsistency, ADoubtfulMotionRulesNothingOut) {
   EXPECT_EQ(Judge(loop, {}, keyframes, {}), LoopTrust::kTrusted);
 }
 
+TEST(LoopConsistency, WhatADoubtfulMotionLinksAgreesWithNothing) {
+  auto keyframes = Path(30);
+  const double sigma = std::sqrt(OdometryBetween(keyframes, 0, 29).covariance(0, 0));
+  const Loop loop = LoopBetween(keyframes, 0, 29, 6.0 * sigma);
+  const std::vector<Loop> others = {LoopBetween(keyframes, 1, 27, 6.0 * sigma),
+                                    LoopBetween(keyframes, 3, 24, 6.0 * sigma)};
+  ASSERT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kTrusted);
+  keyframes[28].motion_covariance =
+      DoubtfulMotion(keyframes[28].motion_covariance, keyframes[28].motion);
+  EXPECT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kUnsupported);
+}
+
 TEST(LoopConsistency, OdometryBetweenIsTheChain) {
   const auto keyframes = Path(12);
   const LoopMeasurement motion = OdometryBetween(keyframes, 2, 9);
@@ -241,6 +256,9 @@ Rounds FlyTwoRounds(int break_at, int wrong_at = kNever) {
     LoopKeyframe keyframe = testing::MakeLoopKeyframe(testing::SimulatedRig(), Room(),
                                                       rounds.truth[i], by_odometry, i * kStepNs);
     keyframe.segment = break_at > 0 && i >= break_at ? 1 : 0;
+    if (i > 0) {
+      keyframe.motion = rounds.closer.keyframes().back().world_from_body.Inverse() * by_odometry;
+    }
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
     if (i == wrong_at) {
       keyframe.motion_covariance =
@@ -288,6 +306,7 @@ TEST(LoopCloser, ADoubtfulMotionIsVerifiedByThePlaceBefore) {
   const Rigid3 wrong = PlaceAt(0.2) * Rigid3{ExpSo3({0.0, 0.0, 0.5}), {1.0, 0.0, 0.0}};
   LoopKeyframe doubtful =
       testing::MakeLoopKeyframe(testing::SimulatedRig(), Room(), PlaceAt(0.2), wrong, kStepNs);
+  doubtful.motion = PlaceAt(0.0).Inverse() * wrong;
   doubtful.motion_covariance =
       DoubtfulMotion(doubtful.motion_covariance, PlaceAt(0.0).Inverse() * wrong);
   closer.Add(std::move(doubtful));

@@ -23,6 +23,9 @@ PlaceMap Rounds(int rounds) {
     LoopKeyframe keyframe = testing::RoundKeyframe(angle, i);
     keyframe.segment = i / kRound;
     keyframe.world_from_body.translation.z() += 0.01 * i;
+    if (i > 0) {
+      keyframe.motion = map.keyframes.back().world_from_body.Inverse() * keyframe.world_from_body;
+    }
     keyframe.motion_covariance.diagonal().setConstant(1e-4);
     map.keyframes.push_back(keyframe);
     map.map_from_body.push_back(testing::RoundPlace(angle));

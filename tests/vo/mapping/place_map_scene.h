@@ -48,10 +48,14 @@ inline PlaceMap RoundMap() {
   constexpr int kKeyframes = 16;
   for (int i = 0; i < kKeyframes; ++i) {
     LoopKeyframe keyframe = RoundKeyframe(std::numbers::pi / 6.0 * i, i);
+    if (i > 0) {
+      keyframe.motion =
+          closer.keyframes().back().world_from_body.Inverse() * keyframe.world_from_body;
+    }
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
     closer.Add(std::move(keyframe));
   }
-  return MakePlaceMap(closer, {"superpoint", "built-in", "12ab"});
+  return MakePlaceMap(closer, closer.Optimized(), {"superpoint", "built-in", "12ab"});
 }
 
 /// Two key frames of a few keypoints.

@@ -57,6 +57,8 @@ TEST(PlaceMap, WhatIsWrittenIsRead) {
     const LoopKeyframe& b = read.keyframes[i];
     EXPECT_EQ(a.timestamp_ns, b.timestamp_ns);
     EXPECT_EQ(a.segment, b.segment);
+    EXPECT_EQ(a.motion.translation, b.motion.translation);
+    EXPECT_EQ(a.motion.rotation.coeffs(), b.motion.rotation.coeffs());
     EXPECT_EQ(a.motion_covariance, b.motion_covariance);
     EXPECT_EQ(a.world_from_body.translation, b.world_from_body.translation);
     EXPECT_EQ(map.map_from_body[i].rotation.coeffs(), read.map_from_body[i].rotation.coeffs());
@@ -233,10 +235,14 @@ TEST(PlaceMap, ALaterRunComesBackToIt) {
     LoopKeyframe keyframe = testing::RoundKeyframe(0.3 + 0.2 * i, i);
     keyframe.world_from_body = elsewhere * keyframe.world_from_body;
     keyframe.segment = first;
+    if (i > 0) {
+      keyframe.motion =
+          closer.keyframes().back().world_from_body.Inverse() * keyframe.world_from_body;
+    }
     keyframe.motion_covariance.diagonal() << 4e-4, 4e-4, 4e-4, 4e-5, 4e-5, 4e-5;
     closer.Add(std::move(keyframe));
   }
-  const PlaceMap grown = MakePlaceMap(closer, map.features);
+  const PlaceMap grown = MakePlaceMap(closer, closer.Optimized(), map.features);
   ASSERT_EQ(grown.keyframes.size(), map.keyframes.size() + 4);
   EXPECT_EQ(grown.Parts().back(), 0);
   for (int i = 0; i < 4; ++i) {

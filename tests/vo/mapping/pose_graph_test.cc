@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/geometry/manifold.h"
+#include "gluevo/vo/geometry/pose_uncertainty.h"
+#include "pose_graph_edge.h"
 
 namespace gluevo::vo {
 namespace {
@@ -47,10 +51,17 @@ std::vector<Rigid3> Chained(const std::vector<Rigid3>& truth,
   return poses;
 }
 
-std::vector<bool> FirstIsFixed() {
-  std::vector<bool> is_fixed(kPoses, false);
-  is_fixed[0] = true;
-  return is_fixed;
+// From these poses on, the first one fixed.
+void Optimize(const std::vector<PoseGraphEdge>& edges, std::vector<Rigid3>& poses,
+              const std::optional<Eigen::Vector3d>& up_in_world = std::nullopt) {
+  std::vector<PoseGraphNode> nodes;
+  for (const Rigid3& pose : poses) {
+    nodes.push_back({pose, nodes.empty(), up_in_world});
+  }
+  OptimizePoseGraph(edges, nodes);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i] = nodes[i].world_from_body;
+  }
 }
 
 double LargestError(const std::vector<Rigid3>& poses, const std::vector<Rigid3>& truth) {
@@ -59,6 +70,84 @@ double LargestError(const std::vector<Rigid3>& poses, const std::vector<Rigid3>&
     largest = std::max(largest, Minus(poses[i], truth[i]).norm());
   }
   return largest;
+}
+
+TEST(PoseGraphEdge, DerivativesAreThoseOfDifferences) {
+  const std::vector<Rigid3> poses = Ring();
+  const Rigid3 measured = poses[2].Inverse() * poses[7] *
+                          Rigid3{ExpSo3({0.4, -0.3, 0.5}), Eigen::Vector3d(0.3, 0.2, -0.1)};
+  internal::EdgeJacobian by_a;
+  internal::EdgeJacobian by_b;
+  const internal::EdgeError error =
+      internal::ErrorOfEdge(measured, poses[2], poses[7], &by_a, &by_b);
+  EXPECT_LT((error - ErrorOfPose(measured, poses[2].Inverse() * poses[7])).norm(), 1e-12);
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    const PoseTangent step = kStep * PoseTangent::Unit(i);
+    const auto error_at = [&](const PoseTangent& of_a, const PoseTangent& of_b) {
+      return internal::ErrorOfEdge(measured, Plus(poses[2], of_a), Plus(poses[7], of_b), nullptr,
+                                   nullptr);
+    };
+    const PoseTangent none = PoseTangent::Zero();
+    EXPECT_LT(((error_at(step, none) - error_at(-step, none)) / (2.0 * kStep) - by_a.col(i)).norm(),
+              1e-8)
+        << i;
+    EXPECT_LT(((error_at(none, step) - error_at(none, -step)) / (2.0 * kStep) - by_b.col(i)).norm(),
+              1e-8)
+        << i;
+  }
+}
+
+TEST(PoseGraphEdge, TurnsAndQuaternionsAreEachOthersDerivative) {
+  const Eigen::Quaterniond q = ExpSo3({0.7, -1.1, 0.4});
+  const Eigen::Matrix<double, 4, 3> by_turn = internal::QuaternionByTurn(q);
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(i);
+    const Eigen::Vector4d difference =
+        ((q * ExpSo3(step)).coeffs() - (q * ExpSo3(-step)).coeffs()) / (2.0 * kStep);
+    EXPECT_LT((difference - by_turn.col(i)).norm(), 1e-9);
+  }
+  EXPECT_TRUE((internal::TurnByQuaternion(q) * by_turn).isIdentity(1e-12));
+}
+
+TEST(PoseGraph, WhereUpIsKnownTiltsStay) {
+  const std::vector<Rigid3> truth = Ring();
+  const Eigen::Vector3d up = Eigen::Vector3d(0.1, -0.2, 1.0).normalized();
+  // Odometry turns about the vertical by too much; the loop is wrong in its tilt.
+  std::vector<Rigid3> start = truth;
+  for (std::size_t i = 0; i < kPoses; ++i) {
+    const double share = static_cast<double>(i) / kPoses;
+    start[i].rotation = ExpSo3(0.3 * share * up) * truth[i].rotation;
+    start[i].translation += Eigen::Vector3d(0.5 * share, 0.2 * share, -0.3 * share);
+  }
+  std::vector<PoseGraphEdge> edges;
+  for (std::size_t i = 0; i + 1 < kPoses; ++i) {
+    edges.push_back(EdgeOf(start, i, i + 1));
+  }
+  edges.push_back(EdgeOf(truth, 0, kPoses - 1));
+  edges.back().covariance *= 1e-4;
+  edges.back().a_from_b.rotation =
+      edges.back().a_from_b.rotation *
+      ExpSo3(truth.back().rotation.conjugate() * Eigen::Vector3d(0.05, 0.0, 0.0));
+  std::vector<Rigid3> free = start;
+  Optimize(edges, free);
+  std::vector<Rigid3> level = start;
+  Optimize(edges, level, up);
+  double largest_tilt = 0.0;
+  double largest_free_tilt = 0.0;
+  for (std::size_t i = 0; i < kPoses; ++i) {
+    const auto tilt = [&](const Rigid3& pose) {
+      return (pose.rotation.conjugate() * up - truth[i].rotation.conjugate() * up).norm();
+    };
+    largest_tilt = std::max(largest_tilt, tilt(level[i]));
+    largest_free_tilt = std::max(largest_free_tilt, tilt(free[i]));
+  }
+  EXPECT_LT(largest_tilt, 1e-9);
+  EXPECT_GT(largest_free_tilt, 0.03);
+  // Yaw and position are the loop's.
+  EXPECT_LT((level.back().translation - truth.back().translation).norm(), 0.01);
+  EXPECT_LT(level.back().rotation.angularDistance(truth.back().rotation), 0.01);
 }
 
 TEST(PoseGraph, ExactEdgesGiveTheExactPosesFromAfar) {
@@ -71,7 +160,7 @@ TEST(PoseGraph, ExactEdgesGiveTheExactPosesFromAfar) {
     delta << 0.3, -0.2, 0.1, 0.05, 0.1, -0.1;
     poses[i] = Plus(truth[i], delta);
   }
-  OptimizePoseGraph(edges, FirstIsFixed(), poses);
+  Optimize(edges, poses);
   EXPECT_LT(LargestError(poses, truth), 1e-6);
 }
 
@@ -83,7 +172,7 @@ TEST(PoseGraph, ALoopTakesTheDriftAway) {
   const double before = LargestError(poses, truth);
   edges.push_back(EdgeOf(truth, 0, kPoses - 1));
   edges.back().covariance *= 0.01;
-  OptimizePoseGraph(edges, FirstIsFixed(), poses);
+  Optimize(edges, poses);
   EXPECT_LT(LargestError(poses, truth), 0.3 * before);
   EXPECT_LT(Minus(poses.back(), truth.back()).norm(), 0.02 * before);
   EXPECT_EQ(poses[0].translation, truth[0].translation);
@@ -103,7 +192,7 @@ TEST(PoseGraph, OneWrongLoopAmongRightOnesHardlyCounts) {
     all.push_back(wrong);
     all.back().loss_scale = is_robust ? 4.0 : 0.0;
     std::vector<Rigid3> poses = truth;
-    OptimizePoseGraph(all, FirstIsFixed(), poses);
+    Optimize(all, poses);
     return LargestError(poses, truth);
   };
   EXPECT_LT(with_wrong(true), 0.02);
@@ -125,7 +214,7 @@ TEST(PoseGraph, ManyLoopsThatAgreeOutvoteAWrongMotion) {
       edges[i].loss_scale = i + 1 < kPoses ? odometry_scale : loop_scale;
     }
     std::vector<Rigid3> poses = start;
-    OptimizePoseGraph(edges, FirstIsFixed(), poses);
+    Optimize(edges, poses);
     return LargestError(poses, truth);
   };
   EXPECT_LT(error(8.0, 4.0), 0.02);
@@ -136,7 +225,7 @@ TEST(PoseGraph, ManyLoopsThatAgreeOutvoteAWrongMotion) {
 TEST(PoseGraph, PosesWithoutEdgesStay) {
   const std::vector<Rigid3> truth = Ring();
   std::vector<Rigid3> poses = truth;
-  OptimizePoseGraph({EdgeOf(truth, 0, 1)}, FirstIsFixed(), poses);
+  Optimize({EdgeOf(truth, 0, 1)}, poses);
   EXPECT_LT(LargestError(poses, truth), 1e-12);
 }
 
@@ -144,7 +233,7 @@ TEST(PoseGraph, ACovarianceThatIsNoneIsRefused) {
   std::vector<Rigid3> poses = Ring();
   PoseGraphEdge edge = EdgeOf(poses, 3, 4);
   edge.covariance.setZero();
-  EXPECT_THROW(OptimizePoseGraph({edge}, FirstIsFixed(), poses), Error);
+  EXPECT_THROW(Optimize({edge}, poses), Error);
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/stereo_calibration_estimate.h"
 #include "gluevo/vo/core/tracked_frame.h"
+#include "gluevo/vo/core/trajectory.h"
 
 namespace gluevo::vo {
 
@@ -47,6 +48,9 @@ struct FrameResult {
   std::optional<InertialEstimate> inertial;
   /// Where it is refined, of frames that were located.
   std::optional<StereoCalibrationEstimate> stereo_calibration;
+  /// World_from_body of the newest frames as they are known now, the oldest first, this frame's the
+  /// last: what was given for the others before may have been revised. Empty of a predicted pose.
+  Trajectory window;
   int observations = 0;  ///< Tracks in the frame.
   int matched = 0;       ///< Of these, those found again from frames before.
   int tracked = 0;       ///< Of these, known points (with a depth).

@@ -14,6 +14,7 @@
 #include "gluevo/vo/core/pose_covariance.h"
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
+#include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/estimator/pose_prior.h"
 #include "gluevo/vo/estimator/sliding_window_options.h"
 #include "gluevo/vo/estimator/stereo_calibration.h"
@@ -51,6 +52,8 @@ class SlidingWindow {
   int64_t oldest_timestamp_ns() const { return frames_.front().timestamp_ns; }
   /// The newest frame's. The window must not be empty.
   const Rigid3& world_from_body() const { return frames_.back().world_from_body; }
+  /// Of all its frames as the last Optimize() has them, the oldest first.
+  Trajectory Poses() const;
   bool newest_is_keyframe() const { return frames_.back().is_keyframe; }
   /// Landmarks that have a depth.
   std::size_t CountLandmarks() const;

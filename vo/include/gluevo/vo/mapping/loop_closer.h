@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "gluevo/vo/mapping/loop_keyframe.h"
 #include "gluevo/vo/mapping/loop_verification.h"
 #include "gluevo/vo/mapping/place_codebook.h"
+#include "gluevo/vo/mapping/pose_graph.h"
 
 namespace gluevo::vo {
 
@@ -44,6 +46,9 @@ struct LoopAttempt {
   int matches = 0;
   int inliers = 0;
   bool is_closed = false;
+  /// Time of the key frame that was added when it was believed: the query's, or a later one's that
+  /// agreed.
+  int64_t closed_ns = 0;
   std::string reason;  ///< Why it is not.
 };
 
@@ -63,6 +68,14 @@ class LoopCloser {
   /// know.
   void Add(LoopKeyframe keyframe);
 
+  /// What odometry has in the meantime for the motion to a key frame since the one before it in the
+  /// same segment.
+  void Revise(std::size_t keyframe, const Rigid3& motion) { keyframes_[keyframe].motion = motion; }
+
+  /// Where a segment's world has its up, once an inertial unit tells: a unit vector. What is said
+  /// last counts, for all of the segment.
+  void SetUp(int segment, const Eigen::Vector3d& up_in_world);
+
   const StereoRig& rig() const { return rig_; }
   const std::vector<LoopKeyframe>& keyframes() const { return keyframes_; }
   /// Those that the codebook proposed, in the order in which they were tried.
@@ -70,8 +83,12 @@ class LoopCloser {
   /// Loops that are believed.
   const std::vector<Loop>& loops() const { return loops_; }
 
-  /// Of each key frame the pose that fits odometry and loops: world_from_body, the world being that
-  /// of the oldest segment that loops link with the key frame's.
+  /// One node a key frame, where odometry and the loops between segments have it: the world is that
+  /// of the oldest segment that loops link with the key frame's, whose first pose is fixed. Where
+  /// up is known there and in the key frame's own segment, and none of that one's motions is
+  /// doubtful, its tilt stays.
+  PoseGraph Graph() const;
+  /// Of each key frame the pose that fits odometry and loops: world_from_body of the graph, solved.
   std::vector<Rigid3> Optimized() const;
 
  private:
@@ -89,8 +106,9 @@ class LoopCloser {
   std::shared_ptr<Matcher> matcher_;
   LoopOptions options_;
   std::vector<LoopKeyframe> keyframes_;
-  std::size_t loaded_ = 0;               // Of them.
-  std::vector<Eigen::VectorXf> places_;  // One a key frame.
+  std::size_t loaded_ = 0;                      // Of them.
+  std::vector<Eigen::VectorXf> places_;         // One a key frame.
+  std::map<int, Eigen::Vector3d> up_in_world_;  // Of segments.
   std::vector<LoopAttempt> attempts_;
   std::vector<Loop> loops_;
   // Verified, but not trusted (yet), and their attempts.

@@ -29,7 +29,7 @@ struct LoopConsistencyOptions {
   double max_error = 22.5;
   /// A loop that bends the path by so many times odometry's standard deviation is a place that
   /// looks alike.
-  double max_bend = 5.0;
+  double max_bend = 10.0;
   /// So many others must agree with a loop between these limits, and with one between segments ...
   int supporters = 2;
   /// ... unless so many points fit that one.

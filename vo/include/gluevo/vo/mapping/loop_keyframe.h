@@ -32,10 +32,12 @@ struct LoopKeyframe {
   int64_t timestamp_ns = 0;
   int segment = 0;         ///< As FrameResult::segment.
   Rigid3 world_from_body;  ///< As the odometry had it.
-  /// Of the motion since the key frame before it in the same segment.
-  PoseCovariance motion_covariance = PoseCovariance::Zero();
-  nn::Features features;                  ///< Of the left image.
-  std::vector<StereoKeypoint> keypoints;  ///< One a feature.
+  /// Since the key frame before it in the same segment, the body's pose in that one's frame, as
+  /// odometry had both when it was done with them: world_from_body is not revised.
+  Rigid3 motion;
+  PoseCovariance motion_covariance = PoseCovariance::Zero();  ///< Of the motion.
+  nn::Features features;                                      ///< Of the left image.
+  std::vector<StereoKeypoint> keypoints;                      ///< One a feature.
 };
 
 /// The keypoints of the left image with the depths that `stereo`, matches to the right image's

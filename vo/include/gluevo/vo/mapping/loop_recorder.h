@@ -11,6 +11,7 @@
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/frontend/matcher.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
+#include "gluevo/vo/mapping/global_adjustment.h"
 #include "gluevo/vo/mapping/loop_closer.h"
 #include "gluevo/vo/mapping/place_codebook.h"
 #include "gluevo/vo/mapping/place_map.h"
@@ -36,10 +37,12 @@ class LoopRecorder {
 
   const LoopCloser& closer() const { return closer_; }
 
-  /// A pose for every frame, as loops have it: the motion between two kept key frames is odometry's
-  /// but for a smooth bend. Poses of segments that no loop links stay odometry's. The same as
-  /// odometry's where there are no loops.
-  Trajectory Optimized() const;
+  /// A pose for every frame by those of all kept key frames (closer().Optimized(), or better ones):
+  /// the motion between two of them is odometry's but for a smooth bend.
+  Trajectory Follow(const std::vector<Rigid3>& keyframes) const;
+  /// AdjustGlobally by the recorder's own matcher, from closer().Optimized() or the like.
+  GlobalAdjustment Adjust(const std::vector<Rigid3>& keyframes,
+                          const GlobalAdjustmentOptions& options) const;
   /// Of each frame the oldest segment that loops link with its own.
   std::vector<int> LinkedSegments() const;
   /// How many segments of the run hang together with older ones, those of a loaded map too.
@@ -47,9 +50,6 @@ class LoopRecorder {
   bool has_loaded_map() const { return loaded_keyframes_ > 0; }
   /// How many frames are in segments that loops link with a loaded map.
   std::size_t FramesInLoadedMap() const;
-
-  /// All that is kept, solved; `features`: of which network.
-  PlaceMap Map(const MapFeatures& features) const;
 
  private:
   struct Frame {
@@ -65,6 +65,7 @@ class LoopRecorder {
 
   bool IsToBeKept(const FrameResult& result) const;
   bool IsLater(int segment, int64_t timestamp_ns) const;
+  void Revise(const Trajectory& window);
   void Keep(const StereoFrame& frame, const FrameResult& result, int segment, const StereoRig& rig);
 
   std::shared_ptr<FeatureExtractor> extractor_;
@@ -74,6 +75,8 @@ class LoopRecorder {
   std::size_t loaded_keyframes_ = 0;
   int loaded_segments_ = 0;
   std::vector<Frame> frames_;
+  std::vector<Rigid3>
+      revised_;  // Of this run's key frames that are kept, as odometry has them now.
   /// Of the motion from the newest key frame that is kept to odometry's newest one.
   PoseCovariance since_kept_ = PoseCovariance::Zero();
   /// Since the last frame that was located: if none is any more before tracking is lost, loops are

@@ -39,8 +39,10 @@ struct PlaceMap {
   int LargestPart() const;
 };
 
-/// What is kept, solved; segments get numbers without gaps.
-PlaceMap MakePlaceMap(const LoopCloser& closer, const MapFeatures& features);
+/// What is kept, at these poses (closer.Optimized(), or better ones); segments get numbers without
+/// gaps.
+PlaceMap MakePlaceMap(const LoopCloser& closer, const std::vector<Rigid3>& map_from_body,
+                      const MapFeatures& features);
 
 /// Whether rays and depths of the one are those of the other, to half a pixel and a millimetre.
 bool IsSameRig(const StereoRig& a, const StereoRig& b);

@@ -25,6 +25,8 @@ struct LoopConfig {
   /// A map (place_map.h) whose places the run may come back to; empty: none.
   std::filesystem::path load_map;
   LoopOptions options;
+  /// Whether all key frames are adjusted together in the end (AdjustGlobally).
+  bool has_final_adjustment = false;
 };
 
 /// The networks that front end and loops need together. Throws Error as LoadNetworks does.
