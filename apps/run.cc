@@ -11,64 +11,42 @@
 #include <vector>
 
 #include "command_line/message.h"
-#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "earlier_results.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
-#include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/mapping/map.h"
-#include "gluevo/vo/pipeline/loop_config.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "interruption.h"
-#include "options/dataset_options.h"
-#include "options/estimator_options.h"
-#include "options/frontend_options.h"
 #include "options/loop_options.h"
-#include "options/network_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
-#include "run_evaluation.h"
+#include "processors.h"
 #include "run_frames.h"
-#include "run_imu.h"
 #include "run_metrics.h"
 #include "run_outputs.h"
 #include "run_replay.h"
+#include "run_setup.h"
 
 namespace gluevo::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct RunArguments {
+// What run is told beyond what live is told, too.
+struct OfflineArguments : RunArguments {
   fs::path dataset;
-  RunPlaces places;
-  fs::path config_file;
-  std::string preset;
-  DatasetArguments frames;
   fs::path save_matches;
   fs::path replay;
   bool is_strict = false;
-  vo::OdometryConfig config;
-  vo::LoopConfig loops;
 };
 
-void AddRunOptions(CLI::App& command, RunArguments& arguments) {
+void AddRunOptions(CLI::App& command, OfflineArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
-  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")
-      ->option_text("TEXT REQUIRED");
-  command.add_option("--config", arguments.config_file,
-                     "YAML file with values for any of these options; the command line goes first");
-  AddDatasetOptions(command, arguments.frames);
-  command
-      .add_option("--trajectory-format", arguments.places.trajectory_format,
-                  "Format of the trajectories: tum, euroc or kitti")
-      ->check(OneOf({"tum", "euroc", "kitti"}))
-      ->capture_default_str();
+  AddRunArguments(command, arguments);
   command.add_option("--map", arguments.places.map,
                      "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
                      "(COLMAP's text model)");
@@ -79,19 +57,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
                   "Take the matches from such a file: reads no images and runs no networks; the "
                   "frames are the stored run's where no option chooses others")
       ->excludes(save);
-  command.add_flag("--imu-rate", arguments.places.has_imu_rate,
-                   "Write imu_rate, too: a pose for every reading of the inertial unit");
-  command.add_flag(
-      "--estimate-time-offset", arguments.config.odometry.inertial.estimate_time_offset,
-      "Estimate how far the inertial unit's clock is ahead of the images', within some "
-      "10 ms (imu.time_offset_s in metrics.json)");
   command.add_flag("--strict", arguments.is_strict,
                    "End at a frame that cannot be read, in place of leaving it out; what came "
                    "before it is kept");
-  AddPresetOption(command, arguments.preset);
-  AddFrontEndOptions(command, arguments.config);
-  AddEstimatorOptions(command, arguments.config.odometry);
-  AddLoopOptions(command, arguments.loops, arguments.places.saved_map, arguments.places.culling);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "
@@ -99,20 +67,12 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       "results/V1_01");
 }
 
-void CheckOutputs(const RunArguments& arguments) {
-  std::vector<fs::path> outputs = OutputFiles(arguments.places);
+void CheckOutputs(const OfflineArguments& arguments) {
+  std::vector<fs::path> outputs = OutputsOf(arguments);
   outputs.push_back(arguments.save_matches);
-  outputs.push_back(arguments.places.saved_map);
-  std::vector<fs::path> inputs = arguments.frames.calibration;
-  for (const fs::path& input :
-       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        arguments.loops.codebook, arguments.loops.load_map,
-        MakeDatasetOptions(arguments.frames).imu.value_or(""), arguments.frames.imu_calibration}) {
-    inputs.push_back(input);
-  }
-  for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
-    inputs.push_back(input);
-  }
+  std::vector<fs::path> inputs = InputsOf(arguments);
+  inputs.push_back(arguments.dataset);
+  inputs.push_back(arguments.replay);
   CheckOutputsAreNoInputs(outputs, inputs);
   CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }
@@ -125,39 +85,9 @@ std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
   return timestamps_ns;
 }
 
-// Everything that a run needs and that can fail, before its first frame.
-struct Setup {
-  vo::Dataset dataset;
-  std::string method;
-  std::string features;  ///< Empty where the method has none, as the next.
-  std::string matcher;
-  OptionOrigins origins;
-  vo::Networks networks;
-  std::unique_ptr<vo::FrontEnd> frontend;
-  std::optional<vo::LoopRecorder> loops;
-  bool reads_images = true;
-  bool uses_imu = false;
-};
-
-void MakeFrontEndAndLoops(const RunArguments& arguments, nn::ThreadPool& pool, Setup& setup) {
-  const vo::FrontEndConfig& config = arguments.config.frontend;
-  std::shared_ptr<vo::FeatureExtractor> shared;
-  if (arguments.loops.is_on) {
-    setup.networks = vo::LoadNetworksWithLoops(config);
-    shared = std::make_shared<vo::ExtractorMemo>(
-        vo::MakeFrontEndExtractor(config, setup.networks, pool));
-    setup.loops.emplace(
-        vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, setup.networks, shared, pool));
-  } else {
-    setup.networks = vo::LoadFrontEndNetworks(config);
-  }
-  setup.frontend = vo::MakeFrontEnd(config, setup.dataset.rig, setup.networks, pool, shared);
-}
-
-Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
-            nn::ThreadPool& pool) {
-  Setup setup;
-  setup.method = arguments.config.frontend.method;
+RunSetup SetUp(OfflineArguments& arguments, CLI::App& command,
+               const std::map<std::string, bool>& given, nn::ThreadPool& pool) {
+  RunSetup setup;
   if (arguments.loops.is_on && !arguments.replay.empty()) {
     throw Error("--loops on needs the images, which --replay does not read");
   }
@@ -169,16 +99,7 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
                          arguments.frames.stride);
   }
   setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
-  setup.uses_imu =
-      ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
-  if (arguments.places.has_imu_rate && !setup.uses_imu) {
-    throw Error(arguments.dataset.string() +
-                ": no inertial unit is used, which --imu-rate needs (see --imu)");
-  }
-  if (arguments.config.odometry.inertial.estimate_time_offset && !setup.uses_imu) {
-    throw Error(setup.dataset.root.string() +
-                ": no inertial unit is used, which --estimate-time-offset needs (see --imu)");
-  }
+  SetUpImu(arguments, setup);
   PrintNotes(setup.dataset);
   if (store) {
     LeaveOutReplayed(*store, setup.dataset);
@@ -193,14 +114,13 @@ Setup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::stri
     setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
                                                           TimesOf(setup.dataset));
   } else {
-    setup.features = setup.method == "klt" ? "" : arguments.config.frontend.features;
-    setup.matcher = vo::MatcherOf(arguments.config.frontend);
-    MakeFrontEndAndLoops(arguments, pool, setup);
+    SetUpFrontEnd(arguments, pool, setup);
   }
   return setup;
 }
 
-RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, Setup& setup) {
+RunRecords MakeRecords(const OfflineArguments& arguments, const CLI::App& command,
+                       RunSetup& setup) {
   RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt")};
   if (!arguments.save_matches.empty()) {
@@ -215,29 +135,30 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, S
   return records;
 }
 
-void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
+void Run(OfflineArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
   TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckOutputs(arguments);
-  nn::ThreadPool pool(arguments.config.threads);
-  cv::setNumThreads(pool.size());
-  Setup setup = SetUp(arguments, command, given, pool);
+  UseProcessors(arguments.processors);
+  const int threads = ThreadsOf(arguments.config.threads);
+  nn::ThreadPool pool(threads);
+  cv::setNumThreads(KernelThreads(arguments, threads));
+  RunSetup setup = SetUp(arguments, command, given, pool);
   const vo::OutputDirectory output(arguments.places.folder);
   std::optional<vo::OutputDirectory> map_output;
   if (!arguments.places.map.empty()) {
     map_output.emplace(arguments.places.map);
   }
   CheckPlaces(arguments.places);
-  vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
+  vo::Odometry odometry = MakeOdometry(arguments, setup);
   if (setup.uses_imu) {
-    odometry.UseImu(setup.dataset.imu->noise);
     odometry.AddImu(setup.dataset.imu->samples);
   }
   RunRecords records = MakeRecords(arguments, command, setup);
 
-  const EarlyEnd end =
-      ProcessFrames({setup.dataset, setup.reads_images, arguments.is_strict}, odometry, records);
+  const EarlyEnd end = ProcessFrames(
+      {setup.dataset, setup.reads_images, arguments.is_strict, threads > 1}, odometry, records);
 
   const auto throw_where_interrupted = [&] {
     if (end.signal != 0) {
@@ -248,24 +169,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
     throw_where_interrupted();
     throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
-  RunMetrics::Context context = {.method = setup.method,
-                                 .features = setup.features,
-                                 .matcher = setup.matcher,
-                                 .threads = pool.size(),
-                                 .weights = setup.networks.records,
-                                 .options = OptionValues(command),
-                                 .origins = setup.origins,
-                                 .dataset_warnings = setup.dataset.warnings,
-                                 .images_left_out = setup.dataset.images_left_out,
-                                 .frames_asked = setup.dataset.entries.size(),
-                                 .is_interrupted = end.signal != 0,
-                                 .failure = end.failure,
-                                 .causes = records.diagnosis.Causes(),
-                                 .imu = MakeImuRecord(setup.dataset, odometry)};
-  AddEvaluations(setup.dataset, records, context);
-  if (records.loops) {
-    context.loops = CloseLoops(*records.loops, setup.dataset.groundtruth);
-  }
+  const RunMetrics::Context context = MakeContext(command, setup, records, odometry, end, threads);
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);
   std::cout << records.metrics.Summary(context)
@@ -282,7 +186,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
 void AddRunCommand(CLI::App& app) {
   CLI::App* const command = app.add_subcommand(
       "run", "Stereo odometry over a data set: images in, trajectory and figures out");
-  const auto arguments = std::make_shared<RunArguments>();
+  const auto arguments = std::make_shared<OfflineArguments>();
   AddRunOptions(*command, *arguments);
   command->callback([arguments, command] {
     const std::map<std::string, bool> given = OptionsGiven(*command);

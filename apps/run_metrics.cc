@@ -91,14 +91,12 @@ Json SegmentsJson(const std::vector<vo::FrameResult>& frames) {
 
 }  // namespace
 
-void RunMetrics::StartFrame() {
-  frame_start_ = Clock::now();
-  if (!run_start_) {
-    run_start_ = frame_start_;
-  }
-}
+void RunMetrics::Start() { run_start_ = frame_end_ = Clock::now(); }
 
-void RunMetrics::FrameIsRead() { read_ms_ = Milliseconds(Clock::now() - frame_start_); }
+void RunMetrics::FrameIsRead(double read_ms) {
+  frame_start_ = Clock::now();
+  read_ms_ = read_ms;
+}
 
 void RunMetrics::FrameIsLeftOut(std::size_t index, const std::string& why) {
   left_out_.push_back({index, why});
@@ -113,7 +111,7 @@ void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);
   }
-  stages_ms_["total"].push_back(Milliseconds(frame_end_ - frame_start_));
+  stages_ms_["total"].push_back(read_ms_ + Milliseconds(frame_end_ - frame_start_));
 }
 
 int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }

@@ -45,9 +45,10 @@ class RunMetrics {
     std::optional<ImuRecord> imu;      ///< Where an inertial unit is used.
   };
 
-  void StartFrame();
-  void FrameIsRead();
-  /// The started frame could not be read.
+  /// The first frame is about to be read.
+  void Start();
+  /// The next frame is about to be tracked; `read_ms`: what reading it took.
+  void FrameIsRead(double read_ms);
   void FrameIsLeftOut(std::size_t index, const std::string& why);
   std::size_t left_out() const { return left_out_.size(); }
   void FrameIsDone(const vo::FrameResult& result);

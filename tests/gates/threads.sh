@@ -7,6 +7,7 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'nn_(.*_)?thread_pool_test' \
   'nn_(.*_)?(keypoint_selection|step_progress)_test' \
   'nn_(.*_)?(superglue|superpoint)_test' \
+  'vo_core_bounded_queue_test' \
   'vo_frontend_.*' \
   'vo_pipeline_end_to_end_test:*StandingStill*' \
   'vo_simulation_.*'

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "command_line.h"
+#include "gluevo/nn/thread_pool.h"
+#include "gluevo/vo/frontend/frontend.h"
+#include "gluevo/vo/io/dataset.h"
+#include "gluevo/vo/mapping/loop_recorder.h"
+#include "gluevo/vo/pipeline/loop_config.h"
+#include "gluevo/vo/pipeline/networks.h"
+#include "gluevo/vo/pipeline/odometry.h"
+#include "options/dataset_options.h"
+#include "options/preset_options.h"
+#include "run_frames.h"
+#include "run_metrics.h"
+#include "run_outputs.h"
+
+namespace gluevo::apps {
+
+/// What `gluevo run` and `gluevo live` are told alike.
+struct RunArguments {
+  RunPlaces places;
+  std::filesystem::path config_file;
+  std::string preset;
+  DatasetArguments frames;
+  std::string processors;  ///< As UseProcessors takes it.
+  vo::OdometryConfig config;
+  vo::LoopConfig loops;
+};
+
+/// Their options.
+void AddRunArguments(CLI::App& command, RunArguments& arguments);
+
+/// Files that the arguments name: to write, and to read. (Those of one command alone apart.)
+std::vector<std::filesystem::path> OutputsOf(const RunArguments& arguments);
+std::vector<std::filesystem::path> InputsOf(const RunArguments& arguments);
+
+/// Everything that a run needs and that can fail, before its first frame.
+struct RunSetup {
+  vo::Dataset dataset;
+  std::string method;
+  std::string features;  ///< Empty where the method has none, as the next.
+  std::string matcher;
+  OptionOrigins origins;
+  vo::Networks networks;
+  std::unique_ptr<vo::FrontEnd> frontend;
+  std::optional<vo::LoopRecorder> loops;
+  bool reads_images = true;
+  bool uses_imu = false;
+};
+
+/// Whether the inertial unit is used; what has to be there for the options. Throws Error where it
+/// is not.
+void SetUpImu(const RunArguments& arguments, RunSetup& setup);
+
+/// The front end that the arguments name, with its networks and loops.
+void SetUpFrontEnd(const RunArguments& arguments, nn::ThreadPool& pool, RunSetup& setup);
+
+/// How many threads the kernels of a front end get where the command has so many in all: those that
+/// read and write beside it are the others. Networks take so much longer than reading that all
+/// threads are theirs.
+int KernelThreads(const RunArguments& arguments, int threads);
+
+/// Where there is an inertial unit to use the odometry will use it.
+vo::Odometry MakeOdometry(const RunArguments& arguments, RunSetup& setup);
+
+/// All that the record of a run says beside its frames.
+RunMetrics::Context MakeContext(const CLI::App& command, const RunSetup& setup,
+                                const RunRecords& records, const vo::Odometry& odometry,
+                                const EarlyEnd& end, int threads);
+
+}  // namespace gluevo::apps
