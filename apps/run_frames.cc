@@ -179,8 +179,7 @@ EarlyEnd ProcessInTurn(const FrameSource& source, vo::Odometry& odometry, RunRec
 }
 
 EarlyEnd ProcessOverlapped(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
-  constexpr std::size_t kFrames =
-      2;  // That wait: enough that no stage waits for a slow one's luck.
+  constexpr std::size_t kFrames = 2;  // That wait, so that a slow image holds nobody up.
   vo::BoundedQueue<ReadFrame> to_track(kFrames);
   vo::BoundedQueue<TrackedPair> to_record(kFrames);
   std::string failure;

@@ -9,5 +9,6 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'nn_(.*_)?(superglue|superpoint)_test' \
   'vo_core_bounded_queue_test' \
   'vo_frontend_.*' \
+  'vo_pipeline_live_pipeline_test' \
   'vo_pipeline_end_to_end_test:*StandingStill*' \
   'vo_simulation_.*'
