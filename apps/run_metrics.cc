@@ -107,11 +107,14 @@ void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frames_.push_back(result);
   // The record must stay small however long the sequence is.
   frames_.back().tracked_frame = {};
-  stages_ms_["read"].push_back(read_ms_);
+  frames_.back().stages_ms.clear();
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);
   }
-  stages_ms_["total"].push_back(read_ms_ + Milliseconds(frame_end_ - frame_start_));
+  if (read_ms_) {
+    stages_ms_["read"].push_back(*read_ms_);
+    stages_ms_["total"].push_back(*read_ms_ + Milliseconds(frame_end_ - frame_start_));
+  }
 }
 
 int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }
@@ -193,6 +196,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
                                {"fit", MedianMatches(&vo::FrameResult::inliers)},
                                {"stereo", MedianMatches(&vo::FrameResult::stereo)},
                                {"moving", MedianMatches(&vo::FrameResult::moving)}};
+  if (context.live) {
+    AddLive(*context.live, json);
+  }
   if (context.imu) {
     json["imu"] = ImuJson(*context.imu, frames_);
   }

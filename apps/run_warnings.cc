@@ -34,6 +34,10 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
     warnings.push_back(Counted(left_out_.size(), "frame") +
                        " left out that cannot be read, the first one: " + left_out_.front().why);
   }
+  if (context.live) {
+    const std::vector<std::string> of_live = LiveWarnings(*context.live);
+    warnings.insert(warnings.end(), of_live.begin(), of_live.end());
+  }
   warnings.insert(warnings.end(), context.causes.begin(), context.causes.end());
   // The first frame has nothing to be tracked from.
   constexpr double kNextToNothing = 15.0;

@@ -30,8 +30,8 @@ class UsageTest : public CommandTest {
 };
 
 TEST_F(UsageTest, WhatThereIsNotIsNamed) {
-  ExpectBadUsage("", "no command, expected one of run, extract");
-  ExpectBadUsage("fly data", "\"fly\" is no command, expected one of run, extract");
+  ExpectBadUsage("", "no command, expected one of run, live, extract");
+  ExpectBadUsage("fly data", "\"fly\" is no command, expected one of run, live, extract");
   ExpectBadUsage("run", "DATASET is missing, expected: Folder of the data set; see gluevo run");
   ExpectBadUsage("run data", "--output is missing, expected: Folder for the results");
   ExpectBadUsage("extract images --out f.h5", "\"--out\" is no option of gluevo extract");

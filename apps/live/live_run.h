@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frame_source.h"
+#include "gluevo/vo/pipeline/live_pipeline.h"
+#include "live_record.h"
+#include "pose_publisher.h"
+#include "run_frames.h"
+
+namespace gluevo::apps {
+
+/// What takes part while `gluevo live` runs. All must outlive it.
+struct LiveParts {
+  LiveSource& source;
+  RunRecords& records;
+  std::vector<std::unique_ptr<LinePublisher>> publishers;
+  bool prints_poses = true;          ///< On standard output, too.
+  std::optional<double> duration_s;  ///< Ends then, by the source's clock.
+};
+
+/// How it ended.
+struct LiveEnd {
+  EarlyEnd end;
+  bool is_whole = false;  ///< The source has no more.
+};
+
+/// Takes what the source gives through the odometry until it ends, a signal comes or time is up.
+/// Afterwards `pipeline` has ended, and the record is in `record`.
+class LiveRun {
+ public:
+  LiveRun(LiveParts parts, vo::Odometry odometry);
+  LiveRun(const LiveRun&) = delete;
+  LiveRun& operator=(const LiveRun&) = delete;
+
+  LiveEnd Run();
+
+  const vo::Odometry& odometry() const { return pipeline_->odometry(); }
+  const LiveRecord& record() const { return record_; }
+
+ private:
+  struct LeftOut {
+    std::size_t frame = 0;
+    std::string why;
+  };
+
+  void Tracked(const vo::StereoFrame& frame, vo::FrameResult& result, const vo::Odometry& odometry);
+  void Publish(const vo::LiveResult& live);
+  /// False at the end.
+  bool Take(SourceEvent event);
+  void TellStatus(int64_t since_begin_ns);
+
+  LiveParts parts_;
+  std::vector<LeftOut> left_out_;
+  int64_t next_status_ns_ = 0;
+  LiveRecord record_;
+  std::unique_ptr<vo::LivePipeline> pipeline_;  // Last: its threads use the others.
+};
+
+}  // namespace gluevo::apps
