@@ -36,9 +36,12 @@ struct LiveArguments : RunArguments {
   int rounds = 1;
   std::optional<double> duration_s;
   double give_up_s = 30.0;
+  vo::LiveOptions pipeline;
   std::string udp;
   fs::path socket;
   bool is_quiet = false;
+  std::optional<std::string> view;
+  std::string view_token;
 };
 
 void AddLiveOptions(CLI::App& command, LiveArguments& arguments) {
@@ -66,10 +69,25 @@ void AddLiveOptions(CLI::App& command, LiveArguments& arguments) {
                   "A camera that is gone is waited for so long, seconds")
       ->check(Above(0.0))
       ->capture_default_str();
+  command
+      .add_option(
+          "--queue", arguments.pipeline.queue_frames,
+          "So many frames wait at most while one is tracked; for more the oldest is dropped")
+      ->check(Within(1, 1000))
+      ->capture_default_str();
   command.add_option("--udp", arguments.udp,
                      "HOST:PORT to send each pose to, a line of TUM's form a datagram");
   command.add_option("--socket", arguments.socket,
                      "Unix socket to make, from which any number of readers get the lines");
+  command
+      .add_option("--view", arguments.view,
+                  "Show it in a browser on this machine: PORT (8080 where none is given), or "
+                  "ADDRESS:PORT for others, who then need the token")
+      ->expected(0, 1)
+      ->default_str("8080");
+  command.add_option("--view-token", arguments.view_token,
+                     "Whoever looks must have it; default: one that is printed, where the view is "
+                     "for other machines");
   command.add_flag("--quiet", arguments.is_quiet, "Print no poses");
   command.footer(
       "Prints a line for each pose, t x y z qx qy qz qw, as it comes, and at the end (Ctrl-C ends "
@@ -140,6 +158,40 @@ std::vector<std::unique_ptr<LinePublisher>> MakePublishers(const LiveArguments& 
   return publishers;
 }
 
+// The map as it is by now, for the view's button.
+std::string SaveMap(const RunPlaces& places, const RunRecords& records,
+                    const std::vector<vo::WeightsRecord>& weights) {
+  RunPlaces here = places;
+  here.saved_map = places.saved_map.empty() ? places.folder / "map.h5" : places.saved_map;
+  try {
+    WritePlaces(here, records, vo::FeaturesOf(weights));
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "saved " + here.saved_map.string();
+}
+
+std::unique_ptr<ViewFeed> MakeView(const LiveArguments& arguments, const RunSetup& setup,
+                                   bool can_save) {
+  if (!arguments.view) {
+    if (!arguments.view_token.empty()) {
+      throw Error("--view-token is of a view; expected --view, too");
+    }
+    return nullptr;
+  }
+  ViewAddress address = ParseViewAddress(*arguments.view);
+  if (arguments.view_token.find_first_not_of(
+          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") !=
+      std::string::npos) {
+    throw Error("--view-token is no part of an address; expected letters, digits, - and _");
+  }
+  address.token = arguments.view_token.empty() && !address.is_loopback() ? MakeViewToken()
+                                                                         : arguments.view_token;
+  auto view = std::make_unique<ViewFeed>(address, setup.dataset.rig, can_save);
+  std::cerr << "view: " << view->url() << '\n';
+  return view;
+}
+
 void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
   TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
@@ -176,6 +228,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt"),
                      .loops = std::move(setup.loops)};
   std::vector<std::unique_ptr<LinePublisher>> publishers = MakePublishers(arguments);
+  std::unique_ptr<ViewFeed> view = MakeView(arguments, setup, records.loops.has_value());
   // A data set begins to happen only now.
   std::unique_ptr<DatasetSource> played;
   if (!cameras) {
@@ -184,8 +237,10 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
         SteadySourceClock());
   }
   LiveSource& source = cameras ? static_cast<LiveSource&>(*cameras) : *played;
-  LiveRun run({source, records, std::move(publishers), !arguments.is_quiet, arguments.duration_s},
-              std::move(odometry));
+  LiveRun run(
+      {source, records, std::move(publishers), !arguments.is_quiet, arguments.duration_s,
+       std::move(view), [&] { return SaveMap(arguments.places, records, setup.networks.records); }},
+      std::move(odometry), arguments.pipeline);
   const LiveEnd live = run.Run();
   if (records.trajectory.empty()) {
     throw Error(!live.end.failure.empty() ? live.end.failure

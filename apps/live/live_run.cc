@@ -18,7 +18,7 @@ void Warn(const std::string& warning) { PrintMessage("gluevo: warning", warning)
 
 }  // namespace
 
-LiveRun::LiveRun(LiveParts parts, vo::Odometry odometry)
+LiveRun::LiveRun(LiveParts parts, vo::Odometry odometry, const vo::LiveOptions& options)
     : parts_(std::move(parts)),
       pipeline_(std::make_unique<vo::LivePipeline>(
           std::move(odometry),
@@ -27,7 +27,7 @@ LiveRun::LiveRun(LiveParts parts, vo::Odometry odometry)
                                 const vo::Odometry& tracker) { Tracked(frame, result, tracker); },
               .result = [this](const vo::LiveResult& live) { Publish(live); },
               .warning = Warn},
-          [this] { return parts_.source.Now(); })) {}
+          [this] { return parts_.source.Now(); }, options)) {}
 
 // On the tracking thread.
 void LiveRun::Tracked(const vo::StereoFrame& frame, vo::FrameResult& result,
@@ -43,6 +43,24 @@ void LiveRun::Tracked(const vo::StereoFrame& frame, vo::FrameResult& result,
   if (result.is_keyframe) {
     records.keyframes.push_back(records.trajectory.back());
   }
+  if (parts_.view) {
+    ShowTracked(result, odometry);
+  }
+}
+
+void LiveRun::ShowTracked(const vo::FrameResult& result, const vo::Odometry& odometry) {
+  if (result.is_keyframe) {
+    parts_.view->ShowLandmarks(odometry.MapPoints());
+  }
+  if (const auto& loops = parts_.records.loops) {
+    const std::size_t closed = loops->closer().loops().size();
+    if (std::exchange(loops_, closed) < closed) {
+      parts_.view->PlaceIsRecognised();
+    }
+  }
+  if (parts_.view->TakeSaveWish()) {
+    parts_.view->Say(parts_.save_map());
+  }
 }
 
 // On the thread of results.
@@ -53,6 +71,10 @@ void LiveRun::Publish(const vo::LiveResult& live) {
   }
   for (const std::unique_ptr<LinePublisher>& publisher : parts_.publishers) {
     publisher->Publish(line);
+  }
+  if (parts_.view) {
+    const vo::LiveStatistics statistics = pipeline_->statistics();
+    parts_.view->Show(live, statistics, statistics.frames_dropped + late_);
   }
   parts_.records.diagnosis.Add(live.frame, live.result);
   parts_.records.strip.Add(live.result, [&] { return live.frame; });
@@ -72,7 +94,10 @@ bool LiveRun::Take(SourceEvent event) {
   if (!event.readings.empty()) {
     pipeline_->Push(event.readings);
   }
-  if (event.frame) {
+  if (parts_.view && parts_.view->is_paused()) {
+    record_.frames_paused += event.frame ? 1 : 0;
+    parts_.view->ShowPaused();
+  } else if (event.frame) {
     pipeline_->Push(*std::move(event.frame));
   }
   return true;
@@ -112,6 +137,7 @@ LiveEnd LiveRun::Run() {
         live.is_whole = true;
         break;
       }
+      late_ = parts_.source.counts().frames_late;
     }
   } catch (const std::exception& error) {  // What is done is not lost, whatever fails.
     live.end.failure = error.what();
@@ -121,6 +147,9 @@ LiveEnd LiveRun::Run() {
     pipeline_->Finish();
   } catch (const std::exception& error) {
     live.end.failure = live.end.failure.empty() ? error.what() : live.end.failure;
+  }
+  if (parts_.view) {
+    parts_.view->ShowEnded();
   }
   record_.statistics = pipeline_->statistics();
   record_.source = parts_.source.counts();

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <atomic>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +12,7 @@
 #include "live_record.h"
 #include "pose_publisher.h"
 #include "run_frames.h"
+#include "view/view_feed.h"
 
 namespace gluevo::apps {
 
@@ -20,6 +23,10 @@ struct LiveParts {
   std::vector<std::unique_ptr<LinePublisher>> publishers;
   bool prints_poses = true;          ///< On standard output, too.
   std::optional<double> duration_s;  ///< Ends then, by the source's clock.
+  std::unique_ptr<ViewFeed> view;    ///< Null: nobody looks.
+  /// For its button, on the tracking thread, which waits: saves the map as it is, and gives what to
+  /// tell of it.
+  std::function<std::string()> save_map;
 };
 
 /// How it ended.
@@ -32,7 +39,7 @@ struct LiveEnd {
 /// Afterwards `pipeline` has ended, and the record is in `record`.
 class LiveRun {
  public:
-  LiveRun(LiveParts parts, vo::Odometry odometry);
+  LiveRun(LiveParts parts, vo::Odometry odometry, const vo::LiveOptions& options);
   LiveRun(const LiveRun&) = delete;
   LiveRun& operator=(const LiveRun&) = delete;
 
@@ -49,6 +56,7 @@ class LiveRun {
 
   void Tracked(const vo::StereoFrame& frame, vo::FrameResult& result, const vo::Odometry& odometry);
   void Publish(const vo::LiveResult& live);
+  void ShowTracked(const vo::FrameResult& result, const vo::Odometry& odometry);
   /// False at the end.
   bool Take(SourceEvent event);
   void TellStatus(int64_t since_begin_ns);
@@ -56,6 +64,8 @@ class LiveRun {
   LiveParts parts_;
   std::vector<LeftOut> left_out_;
   int64_t next_status_ns_ = 0;
+  std::size_t loops_ = 0;          // That were closed so far.
+  std::atomic<int64_t> late_ = 0;  // Frames that the source passed over.
   LiveRecord record_;
   std::unique_ptr<vo::LivePipeline> pipeline_;  // Last: its threads use the others.
 };

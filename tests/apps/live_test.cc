@@ -154,6 +154,9 @@ TEST_F(LiveTest, WhatCannotBeIsOneLine) {
   ExpectRefused("/dev/video99 --imu on --calibration " + calibration, "expected off for cameras");
   ExpectRefused(Flight() + " --method klt --udp nowhere", "expected HOST:PORT");
   ExpectRefused(Flight() + " --method klt --socket " + calibration, "is there and no socket");
+  ExpectRefused(Flight() + " --method klt --view nowhere:x", "expected PORT, ADDRESS or ADDRESS:");
+  ExpectRefused(Flight() + " --method klt --view 192.0.2.1:0", "cannot be listened at");
+  ExpectRefused(Flight() + " --method klt --view-token x", "expected --view, too");
   EXPECT_EQ(Run("live " + Flight() + " --pace 0 -o " + Path("out")).exit_code, 2);
   EXPECT_EQ(Run("live " + Flight()).exit_code, 2);
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The thread pool and all that runs on it or on threads of its own, under the thread sanitiser: the
 # networks with their kernels, the front ends, the pipeline on a few real images where they are
-# there, and the renderer.
+# there, `gluevo live` with its stages and its view, and the renderer.
 set -euo pipefail
 exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'nn_(.*_)?thread_pool_test' \
@@ -11,4 +11,6 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'vo_frontend_.*' \
   'vo_pipeline_live_pipeline_test' \
   'vo_pipeline_end_to_end_test:*StandingStill*' \
+  'apps_view_view_server_test' \
+  'apps_live_test:*OwnPace*:*Signal*' \
   'vo_simulation_.*'
