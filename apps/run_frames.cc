@@ -138,6 +138,8 @@ std::string Note(const TrackedPair& pair) {
 // Where a frame comes from and goes to; `give` is false where nothing more is taken.
 struct Neighbours {
   std::function<std::optional<ReadFrame>()> next;
+  /// The frame after it, where it is there by now.
+  std::function<std::optional<ReadFrame>()> look_ahead;
   std::function<bool(TrackedPair)> give;
 };
 
@@ -146,7 +148,13 @@ EarlyEnd TrackAll(const FrameSource& source, const Neighbours& neighbours, vo::O
   const std::size_t count = source.dataset.entries.size();
   Progress progress("frame", count);
   try {
-    while (std::optional<ReadFrame> read = neighbours.next()) {
+    std::optional<ReadFrame> after;
+    while (std::optional<ReadFrame> read =
+               after ? std::exchange(after, std::nullopt) : neighbours.next()) {
+      // Loops ask the front end's networks, and so take turns with it.
+      if (read->frame && !records.loops && (after = neighbours.look_ahead()) && after->frame) {
+        odometry.Announce(*after->frame);
+      }
       TrackedPair pair = Track(source, *std::move(read), odometry, records);
       const std::size_t done = pair.index + 1;
       progress.Update(done, Note(pair));
@@ -175,7 +183,7 @@ EarlyEnd ProcessInTurn(const FrameSource& source, vo::Odometry& odometry, RunRec
     Record(source, pair, records);
     return true;
   };
-  return TrackAll(source, {next, give}, odometry, records);
+  return TrackAll(source, {next, [] { return std::nullopt; }, give}, odometry, records);
 }
 
 EarlyEnd ProcessOverlapped(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
@@ -204,7 +212,7 @@ EarlyEnd ProcessOverlapped(const FrameSource& source, vo::Odometry& odometry, Ru
       }
     });
     end = TrackAll(source,
-                   {[&] { return to_track.Pop(); },
+                   {[&] { return to_track.Pop(); }, [&] { return to_track.TryPop(); },
                     [&](TrackedPair pair) { return to_record.Push(std::move(pair)); }},
                    odometry, records);
     to_track.Close();

@@ -172,7 +172,12 @@ void LivePipeline::State::Guard(const Work& work) {
 
 void LivePipeline::State::TrackAll() {
   Guard([this] {
-    while (std::optional<StereoFrame> frame = frames_.Pop()) {
+    std::optional<StereoFrame> after;
+    while (std::optional<StereoFrame> frame =
+               after ? std::exchange(after, std::nullopt) : frames_.Pop()) {
+      if (odometry_.can_announce() && (after = frames_.TryPop())) {
+        odometry_.Announce(*after);
+      }
       Track(*std::move(frame));
     }
   });

@@ -35,7 +35,8 @@ TEST(BoundedQueueTest, WhoDoesNotWaitDropsTheOldest) {
   EXPECT_EQ(queue.PushDroppingOldest(3), 1);
   EXPECT_EQ(queue.PushDroppingOldest(4), 2);
   EXPECT_EQ(queue.Pop(), 3);
-  EXPECT_EQ(queue.Pop(), 4);
+  EXPECT_EQ(queue.TryPop(), 4);
+  EXPECT_EQ(queue.TryPop(), std::nullopt);
 }
 
 TEST(BoundedQueueTest, ClosedItTakesNothingAndGivesWhatItHas) {

@@ -55,19 +55,13 @@ class BoundedQueue {
 
   /// Waits for an item; nothing once the queue is closed and empty.
   std::optional<Item> Pop() {
-    std::optional<Item> item;
-    {
-      std::unique_lock lock(mutex_);
-      has_items_.wait(lock, [&] { return is_closed_ || !items_.empty(); });
-      if (items_.empty()) {
-        return item;
-      }
-      item = std::move(items_.front());
-      items_.pop_front();
-    }
-    has_room_.notify_one();
-    return item;
+    std::unique_lock lock(mutex_);
+    has_items_.wait(lock, [&] { return is_closed_ || !items_.empty(); });
+    return Take(std::move(lock));
   }
+
+  /// Never waits: nothing where there is nothing.
+  std::optional<Item> TryPop() { return Take(std::unique_lock(mutex_)); }
 
   /// Nothing is taken any more; what is there can still be had.
   void Close() {
@@ -80,6 +74,18 @@ class BoundedQueue {
   }
 
  private:
+  std::optional<Item> Take(std::unique_lock<std::mutex> lock) {
+    std::optional<Item> item;
+    if (items_.empty()) {
+      return item;
+    }
+    item = std::move(items_.front());
+    items_.pop_front();
+    lock.unlock();
+    has_room_.notify_one();
+    return item;
+  }
+
   const std::size_t capacity_;
   std::mutex mutex_;
   std::condition_variable has_items_, has_room_;
