@@ -227,6 +227,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt"),
                      .loops = std::move(setup.loops)};
+  records.metrics.KeepOnDisk(arguments.places.folder);
   std::vector<std::unique_ptr<LinePublisher>> publishers = MakePublishers(arguments);
   std::unique_ptr<ViewFeed> view = MakeView(arguments, setup, records.loops.has_value());
   // A data set begins to happen only now.
@@ -242,6 +243,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
        std::move(view), [&] { return SaveMap(arguments.places, records, setup.networks.records); }},
       std::move(odometry), arguments.pipeline);
   const LiveEnd live = run.Run();
+  records.metrics.LoadFrames();
   if (records.trajectory.empty()) {
     throw Error(!live.end.failure.empty() ? live.end.failure
                                           : arguments.sources.front() + ": no frame was tracked");

@@ -104,10 +104,18 @@ void RunMetrics::FrameIsLeftOut(std::size_t index, const std::string& why) {
 
 void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frame_end_ = Clock::now();
-  frames_.push_back(result);
+  vo::FrameResult kept = result;
   // The record must stay small however long the sequence is.
-  frames_.back().tracked_frame = {};
-  frames_.back().stages_ms.clear();
+  kept.tracked_frame = {};
+  kept.stages_ms.clear();
+  if (!log_) {
+    frames_.push_back(std::move(kept));
+  } else {
+    log_->Append(kept);
+    if (kept.inertial) {
+      frames_ = {std::move(kept)};
+    }
+  }
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);
   }
@@ -115,6 +123,11 @@ void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
     stages_ms_["read"].push_back(*read_ms_);
     stages_ms_["total"].push_back(*read_ms_ + Milliseconds(frame_end_ - frame_start_));
   }
+}
+
+void RunMetrics::LoadFrames() {
+  frames_ = log_->Read();
+  log_.reset();
 }
 
 int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }
@@ -235,29 +248,6 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
     json["evaluation_failure"] = context.evaluation_failure;
   }
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << JsonText(json); });
-}
-
-std::string RunMetrics::InertialSentence(const Context& context) const {
-  if (!context.imu) {
-    return "";
-  }
-  const std::optional<vo::InertialBegin>& begin = context.imu->begin;
-  if (!begin) {
-    return "The inertial unit has not started: " + context.imu->why_waiting;
-  }
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << "The inertial unit started "
-       << (begin->is_at_rest ? "at rest" : "in motion") << ' '
-       << 1e-9 * static_cast<double>(begin->timestamp_ns - frames_.front().timestamp_ns)
-       << " s after the first frame";
-  const auto newest = std::find_if(
-      frames_.rbegin(), frames_.rend(),
-      [](const vo::FrameResult& frame) { return frame.inertial && frame.inertial->time_offset_s; });
-  if (newest != frames_.rend()) {
-    text << std::setprecision(2) << "; its stamps are " << 1e3 * *newest->inertial->time_offset_s
-         << " ms (sigma " << 1e3 * newest->inertial->time_offset_sigma_s << ") behind the images'";
-  }
-  return text.str();
 }
 
 std::string RunMetrics::Summary(const Context& context) const {

@@ -11,6 +11,7 @@
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/pipeline/networks.h"
 #include "gluevo/vo/pipeline/odometry.h"
+#include "live/frame_log.h"
 #include "live/live_record.h"
 #include "loop_metrics.h"
 #include "options/option_values.h"
@@ -46,6 +47,11 @@ class RunMetrics {
     std::optional<ImuRecord> imu;      ///< Where an inertial unit is used.
     std::optional<LiveRecord> live;    ///< Of what came as it happened.
   };
+
+  /// From now on what became of frames is kept on disk (FrameLog), and frames() has the newest one
+  /// of which an inertial unit says something only, until LoadFrames().
+  void KeepOnDisk(const std::filesystem::path& folder) { log_.emplace(folder); }
+  void LoadFrames();
 
   /// The first frame is about to be read.
   void Start();
@@ -95,7 +101,8 @@ class RunMetrics {
   Clock::time_point frame_end_;
   std::optional<double> read_ms_;
   std::vector<LeftOut> left_out_;
-  std::vector<vo::FrameResult> frames_;  // Their poses too: 200 bytes a frame.
+  std::vector<vo::FrameResult> frames_;  // Their poses and covariances too: a kilobyte a frame.
+  std::optional<FrameLog> log_;          // Where they are instead.
   std::map<std::string, std::vector<double>> stages_ms_;
 };
 
