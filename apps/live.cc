@@ -243,7 +243,6 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
        std::move(view), [&] { return SaveMap(arguments.places, records, setup.networks.records); }},
       std::move(odometry), arguments.pipeline);
   const LiveEnd live = run.Run();
-  records.metrics.LoadFrames();
   if (records.trajectory.empty()) {
     throw Error(!live.end.failure.empty() ? live.end.failure
                                           : arguments.sources.front() + ": no frame was tracked");

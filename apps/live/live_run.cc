@@ -39,10 +39,6 @@ void LiveRun::Tracked(const vo::StereoFrame& frame, vo::FrameResult& result,
     timer.End("loops");
   }
   records.metrics.FrameIsDone(result);
-  records.trajectory.push_back({result.timestamp_ns, result.world_from_body});
-  if (result.is_keyframe) {
-    records.keyframes.push_back(records.trajectory.back());
-  }
   if (parts_.view) {
     ShowTracked(result, odometry);
   }
@@ -151,12 +147,25 @@ LiveEnd LiveRun::Run() {
   if (parts_.view) {
     parts_.view->ShowEnded();
   }
+  GatherRecords();
   record_.statistics = pipeline_->statistics();
   record_.source = parts_.source.counts();
-  for (const LeftOut& one : left_out_) {
-    parts_.records.metrics.FrameIsLeftOut(one.frame, one.why);
-  }
   return live;
+}
+
+// What took no memory until now.
+void LiveRun::GatherRecords() {
+  RunRecords& records = parts_.records;
+  records.metrics.LoadFrames();
+  for (const vo::FrameResult& frame : records.metrics.frames()) {
+    records.trajectory.push_back({frame.timestamp_ns, frame.world_from_body});
+    if (frame.is_keyframe) {
+      records.keyframes.push_back(records.trajectory.back());
+    }
+  }
+  for (const LeftOut& one : left_out_) {
+    records.metrics.FrameIsLeftOut(one.frame, one.why);
+  }
 }
 
 }  // namespace gluevo::apps

@@ -36,7 +36,7 @@ struct LiveEnd {
 };
 
 /// Takes what the source gives through the odometry until it ends, a signal comes or time is up.
-/// Afterwards `pipeline` has ended, and the record is in `record`.
+/// The records' metrics have to keep frames on disk; afterwards all is in the records.
 class LiveRun {
  public:
   LiveRun(LiveParts parts, vo::Odometry odometry, const vo::LiveOptions& options);
@@ -59,6 +59,7 @@ class LiveRun {
   void ShowTracked(const vo::FrameResult& result, const vo::Odometry& odometry);
   /// False at the end.
   bool Take(SourceEvent event);
+  void GatherRecords();
   void TellStatus(int64_t since_begin_ns);
 
   LiveParts parts_;
