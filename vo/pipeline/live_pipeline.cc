@@ -172,12 +172,8 @@ void LivePipeline::State::Guard(const Work& work) {
 
 void LivePipeline::State::TrackAll() {
   Guard([this] {
-    std::optional<StereoFrame> after;
-    while (std::optional<StereoFrame> frame =
-               after ? std::exchange(after, std::nullopt) : frames_.Pop()) {
-      if (odometry_.can_announce() && (after = frames_.TryPop())) {
-        odometry_.Announce(*after);
-      }
+    // None is announced to the odometry: that would give more frames, but each one later.
+    while (std::optional<StereoFrame> frame = frames_.Pop()) {
       Track(*std::move(frame));
     }
   });

@@ -193,7 +193,7 @@ void Odometry::Track(const StereoFrame& frame, FrameResult& result) {
 }
 
 void Odometry::Announce(const StereoFrame& next) {
-  if (!can_announce() || announced_) {
+  if (!frontend_->NeedsOnlyPassedOver() || announced_) {
     return;
   }
   if (!ahead_) {

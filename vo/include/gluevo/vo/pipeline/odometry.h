@@ -57,7 +57,6 @@ class Odometry {
   /// estimated; results are the same. It has to be the next one then. Does nothing where the front
   /// end cannot, or a frame has been announced already.
   void Announce(const StereoFrame& next);
-  bool can_announce() const { return frontend_->NeedsOnlyPassedOver(); }
   /// The next stereo pair. Throws Error where the time does not increase, and what the front end
   /// throws.
   FrameResult Process(const StereoFrame& frame);
