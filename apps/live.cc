@@ -1,7 +1,5 @@
 // gluevo live: stereo odometry as it happens.
 
-#include <malloc.h>
-
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -194,17 +192,7 @@ std::unique_ptr<ViewFeed> MakeView(const LiveArguments& arguments, const RunSetu
   return view;
 }
 
-// Images go from thread to thread. With a heap for each thread, and a limit for what is given back
-// to the system that grows with what was, memory that is free piles up over hours.
-void KeepHeapSmall() {
-  constexpr int kGivenBackAtOnce = 128 * 1024;
-  mallopt(M_ARENA_MAX, 1);
-  mallopt(M_MMAP_THRESHOLD, kGivenBackAtOnce);
-  mallopt(M_TRIM_THRESHOLD, kGivenBackAtOnce);
-}
-
 void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
-  KeepHeapSmall();
   const Interruption interruption;
   TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
   arguments.places.has_loops = arguments.loops.is_on;
