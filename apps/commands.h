@@ -16,6 +16,7 @@ void AddLocalizeCommand(CLI::App& app);
 void AddMapCommand(CLI::App& app);
 void AddMatchCommand(CLI::App& app);
 void AddRunCommand(CLI::App& app);
+void AddLiveCommand(CLI::App& app);
 void AddSimulateCommand(CLI::App& app);
 void AddWeightsCommand(CLI::App& app);
 

@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer("Example:\n  gluevo run data/V1_01_easy -o results/V1_01");
   gluevo::apps::AddRunCommand(app);
+  gluevo::apps::AddLiveCommand(app);
   gluevo::apps::AddExtractCommand(app);
   gluevo::apps::AddMatchCommand(app);
   gluevo::apps::AddEvaluateCommand(app);

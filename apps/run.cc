@@ -11,28 +11,21 @@
 #include <vector>
 
 #include "command_line/message.h"
-#include "command_line/value_checks.h"
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "earlier_results.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/mapping/map.h"
-#include "gluevo/vo/pipeline/loop_config.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "interruption.h"
-#include "options/estimator_options.h"
-#include "options/frontend_options.h"
 #include "options/loop_options.h"
-#include "options/network_options.h"
 #include "options/preset_options.h"
 #include "options/yaml_config.h"
-#include "run_evaluation.h"
+#include "processors.h"
 #include "run_frames.h"
-#include "run_imu.h"
 #include "run_metrics.h"
 #include "run_outputs.h"
 #include "run_replay.h"
@@ -43,18 +36,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void AddRunOptions(CLI::App& command, RunArguments& arguments) {
+// What run is told beyond what live is told, too.
+struct OfflineArguments : RunArguments {
+  fs::path dataset;
+  fs::path save_matches;
+  fs::path replay;
+  bool is_strict = false;
+};
+
+void AddRunOptions(CLI::App& command, OfflineArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
-  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")
-      ->option_text("TEXT REQUIRED");
-  command.add_option("--config", arguments.config_file,
-                     "YAML file with values for any of these options; the command line goes first");
-  AddDatasetOptions(command, arguments.frames);
-  command
-      .add_option("--trajectory-format", arguments.places.trajectory_format,
-                  "Format of the trajectories: tum, euroc or kitti")
-      ->check(OneOf({"tum", "euroc", "kitti"}))
-      ->capture_default_str();
+  AddRunArguments(command, arguments);
   command.add_option("--map", arguments.places.map,
                      "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
                      "(COLMAP's text model)");
@@ -66,19 +58,9 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
           "Take the matches from such a file: reads no images and runs no networks, but for "
           "--loops; the frames are the stored run's where no option chooses others")
       ->excludes(save);
-  command.add_flag("--imu-rate", arguments.places.has_imu_rate,
-                   "Write imu_rate, too: a pose for every reading of the inertial unit");
-  command.add_flag(
-      "--estimate-time-offset", arguments.config.odometry.inertial.estimate_time_offset,
-      "Estimate how far the inertial unit's clock is ahead of the images', within some "
-      "10 ms (imu.time_offset_s in metrics.json)");
   command.add_flag("--strict", arguments.is_strict,
                    "End at a frame that cannot be read, in place of leaving it out; what came "
                    "before it is kept");
-  AddPresetOption(command, arguments.preset);
-  AddFrontEndOptions(command, arguments.config);
-  AddEstimatorOptions(command, arguments.config.odometry);
-  AddLoopOptions(command, arguments.loops, arguments.places.saved_map, arguments.places.culling);
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
       "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "
@@ -86,25 +68,71 @@ void AddRunOptions(CLI::App& command, RunArguments& arguments) {
       "results/V1_01");
 }
 
-void CheckOutputs(const RunArguments& arguments) {
-  std::vector<fs::path> outputs = OutputFiles(arguments.places);
+void CheckOutputs(const OfflineArguments& arguments) {
+  std::vector<fs::path> outputs = OutputsOf(arguments);
   outputs.push_back(arguments.save_matches);
-  outputs.push_back(arguments.places.saved_map);
-  std::vector<fs::path> inputs = arguments.frames.calibration;
-  for (const fs::path& input :
-       {arguments.dataset, arguments.config_file, arguments.replay, arguments.frames.groundtruth,
-        arguments.loops.codebook, arguments.loops.load_map,
-        MakeDatasetOptions(arguments.frames).imu.value_or(""), arguments.frames.imu_calibration}) {
-    inputs.push_back(input);
-  }
-  for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
-    inputs.push_back(input);
-  }
+  std::vector<fs::path> inputs = InputsOf(arguments);
+  inputs.push_back(arguments.dataset);
+  inputs.push_back(arguments.replay);
   CheckOutputsAreNoInputs(outputs, inputs);
   CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }
 
-RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, RunSetup& setup) {
+std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
+  std::vector<int64_t> timestamps_ns;
+  for (const vo::Dataset::Entry& entry : dataset.entries) {
+    timestamps_ns.push_back(entry.timestamp_ns);
+  }
+  return timestamps_ns;
+}
+
+// The networks are those of the command line: klt's stored runs have none.
+void MakeLoopsOfReplay(const RunArguments& arguments, const vo::MatchStoreReader& store,
+                       nn::ThreadPool& pool, RunSetup& setup) {
+  const vo::FrontEndConfig& config = arguments.config.frontend;
+  const vo::Networks networks = vo::LoadNetworksWithLoops(config);
+  AddReplayedWeights(networks.records, store.path(), setup.networks.records);
+  setup.loops.emplace(vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, networks,
+                                           vo::MakeFrontEndExtractor(config, networks, pool),
+                                           pool));
+}
+
+RunSetup SetUp(OfflineArguments& arguments, CLI::App& command,
+               const std::map<std::string, bool>& given, nn::ThreadPool& pool) {
+  RunSetup setup;
+  std::optional<vo::MatchStoreReader> store;
+  if (!arguments.replay.empty()) {
+    store.emplace(arguments.replay);
+    setup.method = ReplayedMethod(command, *store);
+    SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
+                         arguments.frames.stride);
+  }
+  setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
+  SetUpImu(arguments, setup);
+  PrintNotes(setup.dataset);
+  if (store) {
+    LeaveOutReplayed(*store, setup.dataset);
+  }
+  setup.origins =
+      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  setup.reads_images = !store || !arguments.places.map.empty() || arguments.loops.is_on;
+  if (store) {
+    setup.networks.records = ReplayedWeights(*store);
+    if (arguments.loops.is_on) {
+      MakeLoopsOfReplay(arguments, *store, pool, setup);
+    }
+    setup.features = ReplayedFeatures(*store);
+    setup.matcher = ReplayedMatcher(*store);
+    setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
+                                                          TimesOf(setup.dataset));
+  } else {
+    SetUpFrontEnd(arguments, pool, setup);
+  }
+  return setup;
+}
+
+RunRecords MakeRecords(const OfflineArguments& arguments, const CLI::App& command,
+                       RunSetup& setup) {
   RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt")};
   if (!arguments.save_matches.empty()) {
@@ -119,13 +147,15 @@ RunRecords MakeRecords(const RunArguments& arguments, const CLI::App& command, R
   return records;
 }
 
-void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
+void Run(OfflineArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
   TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckOutputs(arguments);
-  nn::ThreadPool pool(arguments.config.threads);
-  cv::setNumThreads(pool.size());
+  UseProcessors(arguments.processors);
+  const int threads = ThreadsOf(arguments.config.threads);
+  nn::ThreadPool pool(threads);
+  cv::setNumThreads(KernelThreads(arguments, threads));
   RunSetup setup = SetUp(arguments, command, given, pool);
   const vo::OutputDirectory output(arguments.places.folder);
   std::optional<vo::OutputDirectory> map_output;
@@ -133,15 +163,14 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
     map_output.emplace(arguments.places.map);
   }
   CheckPlaces(arguments.places);
-  vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
+  vo::Odometry odometry = MakeOdometry(arguments, setup);
   if (setup.uses_imu) {
-    odometry.UseImu(setup.dataset.imu->noise);
     odometry.AddImu(setup.dataset.imu->samples);
   }
   RunRecords records = MakeRecords(arguments, command, setup);
 
-  const EarlyEnd end =
-      ProcessFrames({setup.dataset, setup.reads_images, arguments.is_strict}, odometry, records);
+  const EarlyEnd end = ProcessFrames(
+      {setup.dataset, setup.reads_images, arguments.is_strict, threads > 1}, odometry, records);
 
   const auto throw_where_interrupted = [&] {
     if (end.signal != 0) {
@@ -152,25 +181,8 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
     throw_where_interrupted();
     throw Error(!end.failure.empty() ? end.failure : records.metrics.WhyNothingWasRead());
   }
-  RunMetrics::Context context = {.method = setup.method,
-                                 .features = setup.features,
-                                 .matcher = setup.matcher,
-                                 .threads = pool.size(),
-                                 .weights = setup.networks.records,
-                                 .options = OptionValues(command),
-                                 .origins = setup.origins,
-                                 .dataset_warnings = setup.dataset.warnings,
-                                 .images_left_out = setup.dataset.images_left_out,
-                                 .frames_asked = setup.dataset.entries.size(),
-                                 .is_interrupted = end.signal != 0,
-                                 .failure = end.failure,
-                                 .causes = records.diagnosis.Causes(),
-                                 .imu = MakeImuRecord(setup.dataset, odometry)};
-  AddEvaluations(setup.dataset, records, context);
-  if (records.loops) {
-    context.loops =
-        CloseLoops(*records.loops, arguments.loops.has_final_adjustment, setup.dataset.groundtruth);
-  }
+  const RunMetrics::Context context =
+      MakeContext(command, arguments, setup, records, odometry, end, threads);
   const std::string failure =
       WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);
   std::cout << records.metrics.Summary(context)
@@ -187,7 +199,7 @@ void Run(RunArguments& arguments, CLI::App& command, const std::map<std::string,
 void AddRunCommand(CLI::App& app) {
   CLI::App* const command = app.add_subcommand(
       "run", "Stereo odometry over a data set: images in, trajectory and figures out");
-  const auto arguments = std::make_shared<RunArguments>();
+  const auto arguments = std::make_shared<OfflineArguments>();
   AddRunOptions(*command, *arguments);
   command->callback([arguments, command] {
     const std::map<std::string, bool> given = OptionsGiven(*command);

@@ -3,15 +3,39 @@
 #include <array>
 #include <exception>
 #include <filesystem>
+#include <functional>
+#include <thread>
+#include <utility>
+#include <vector>
 
 #include "command_line/message.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/bounded_queue.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "interruption.h"
 #include "progress.h"
 
 namespace gluevo::apps {
 namespace {
+
+// From the reader to the odometry.
+struct ReadFrame {
+  std::size_t index = 0;
+  std::optional<vo::StereoFrame> frame;  // Nothing where it cannot be read.
+  std::string why_left_out;
+  std::exception_ptr failure;  // What ends the run here.
+  double read_ms = 0.0;
+};
+
+// From the odometry to what is made of it.
+struct TrackedPair {
+  std::size_t index = 0;
+  int64_t timestamp_ns = 0;
+  std::optional<vo::StereoFrame> frame;  // Nothing where it was left out, as the next three.
+  vo::FrameResult result;
+  std::optional<vo::StereoRig> rig;
+  std::vector<vo::MapPoint> map_points;
+};
 
 // As COLMAP finds the images when it is told the data set's folder.
 std::array<std::string, 2> ImageNames(const vo::Dataset& dataset, std::size_t index) {
@@ -33,41 +57,43 @@ void Tell(const std::string& why, std::size_t left_out) {
   }
 }
 
-// Nothing where the frame cannot be read.
-std::optional<vo::StereoFrame> ReadFrame(const FrameSource& source, std::size_t index,
-                                         RunRecords& records) {
-  const int64_t timestamp_ns = source.dataset.entries[index].timestamp_ns;
-  if (!source.reads_images) {
-    return vo::StereoFrame{timestamp_ns, {}};
-  }
+ReadFrame Read(const FrameSource& source, std::size_t index) {
+  vo::Stopwatch watch;
+  ReadFrame read{.index = index};
   try {
-    return source.dataset.Read(index);
+    read.frame = source.reads_images
+                     ? source.dataset.Read(index)
+                     : vo::StereoFrame{source.dataset.entries[index].timestamp_ns, {}};
   } catch (const Error& error) {
-    if (source.is_strict) {
-      throw;
-    }
-    records.metrics.FrameIsLeftOut(index, error.what());
-    if (records.matches) {
-      records.matches->LeaveOut(timestamp_ns);
-    }
-    Tell(error.what(), records.metrics.left_out());
-    return std::nullopt;
+    read.why_left_out = error.what();
+    read.failure = source.is_strict ? std::current_exception() : nullptr;
+  } catch (const std::exception&) {
+    read.failure = std::current_exception();
   }
+  read.read_ms = watch.Lap();
+  return read;
 }
 
-// The number of inliers and the segment, for the progress.
-std::string ProcessFrame(const FrameSource& source, std::size_t index, vo::Odometry& odometry,
-                         RunRecords& records) {
-  records.metrics.StartFrame();
-  const std::optional<vo::StereoFrame> frame = ReadFrame(source, index, records);
-  if (!frame) {
-    return "left out";
+// One after the other: the front end has to know what became of the frame before.
+TrackedPair Track(const FrameSource& source, ReadFrame read, vo::Odometry& odometry,
+                  RunRecords& records) {
+  if (read.failure) {
+    std::rethrow_exception(read.failure);
   }
-  records.metrics.FrameIsRead();
-  vo::FrameResult result = odometry.Process(*frame);
+  TrackedPair pair{.index = read.index,
+                   .timestamp_ns = source.dataset.entries[read.index].timestamp_ns};
+  if (!read.frame) {
+    records.metrics.FrameIsLeftOut(read.index, read.why_left_out);
+    Tell(read.why_left_out, records.metrics.left_out());
+    return pair;
+  }
+  records.metrics.FrameIsRead(read.read_ms);
+  pair.frame = std::move(read.frame);
+  pair.result = odometry.Process(*pair.frame);
+  vo::FrameResult& result = pair.result;
   if (records.loops) {
     vo::StageTimer timer(result.stages_ms);
-    records.loops->Add(*frame, result, odometry.rig());
+    records.loops->Add(*pair.frame, result, odometry.rig());
     timer.End("loops");
   }
   records.metrics.FrameIsDone(result);
@@ -75,18 +101,125 @@ std::string ProcessFrame(const FrameSource& source, std::size_t index, vo::Odome
   if (result.is_keyframe) {
     records.keyframes.push_back(records.trajectory.back());
   }
-  records.diagnosis.Add(*frame, result);
+  if (records.map) {
+    pair.rig = odometry.rig();
+    pair.map_points = odometry.MapPoints();
+  }
+  return pair;
+}
+
+void Record(const FrameSource& source, const TrackedPair& pair, RunRecords& records) {
+  if (!pair.frame) {
+    if (records.matches) {
+      records.matches->LeaveOut(pair.timestamp_ns);
+    }
+    return;
+  }
+  records.diagnosis.Add(*pair.frame, pair.result);
   if (records.matches) {
-    records.matches->Add(result.tracked_frame);
+    records.matches->Add(pair.result.tracked_frame);
   }
   if (source.reads_images) {
-    records.strip.Add(result, [&] { return *frame; });
+    records.strip.Add(pair.result, [&] { return *pair.frame; });
   }
   if (records.map) {
-    records.map->Add(*frame, ImageNames(source.dataset, index), result, odometry.rig(),
-                     odometry.MapPoints());
+    records.map->Add(*pair.frame, ImageNames(source.dataset, pair.index), pair.result, *pair.rig,
+                     pair.map_points);
   }
-  return std::to_string(result.inliers) + " inliers, segment " + std::to_string(result.segment);
+}
+
+// For the progress.
+std::string Note(const TrackedPair& pair) {
+  return pair.frame ? std::to_string(pair.result.inliers) + " inliers, segment " +
+                          std::to_string(pair.result.segment)
+                    : "left out";
+}
+
+// Where a frame comes from and goes to; `give` is false where nothing more is taken.
+struct Neighbours {
+  std::function<std::optional<ReadFrame>()> next;
+  /// The frame after it, where it is there by now.
+  std::function<std::optional<ReadFrame>()> look_ahead;
+  std::function<bool(TrackedPair)> give;
+};
+
+EarlyEnd TrackAll(const FrameSource& source, const Neighbours& neighbours, vo::Odometry& odometry,
+                  RunRecords& records) {
+  const std::size_t count = source.dataset.entries.size();
+  Progress progress("frame", count);
+  try {
+    std::optional<ReadFrame> after;
+    while (std::optional<ReadFrame> read =
+               after ? std::exchange(after, std::nullopt) : neighbours.next()) {
+      // Loops ask the front end's networks, and so take turns with it.
+      if (read->frame && !records.loops && (after = neighbours.look_ahead()) && after->frame) {
+        odometry.Announce(*after->frame);
+      }
+      TrackedPair pair = Track(source, *std::move(read), odometry, records);
+      const std::size_t done = pair.index + 1;
+      progress.Update(done, Note(pair));
+      if (!neighbours.give(std::move(pair))) {
+        return {};
+      }
+      if (const int signal = Interruption::signal(); signal != 0 && done < count) {
+        return {"", signal};
+      }
+    }
+  } catch (const std::exception& error) {  // What is done is not lost, whatever fails.
+    return {error.what(), 0};
+  }
+  return {};
+}
+
+EarlyEnd ProcessInTurn(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
+  std::size_t index = 0;
+  const auto next = [&]() -> std::optional<ReadFrame> {
+    if (index == source.dataset.entries.size()) {
+      return std::nullopt;
+    }
+    return Read(source, index++);
+  };
+  const auto give = [&](const TrackedPair& pair) {
+    Record(source, pair, records);
+    return true;
+  };
+  return TrackAll(source, {next, [] { return std::nullopt; }, give}, odometry, records);
+}
+
+EarlyEnd ProcessOverlapped(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
+  constexpr std::size_t kFrames = 2;  // That wait, so that a slow image holds nobody up.
+  vo::BoundedQueue<ReadFrame> to_track(kFrames);
+  vo::BoundedQueue<TrackedPair> to_record(kFrames);
+  std::string failure;
+  EarlyEnd end;
+  {
+    const std::jthread reader([&] {
+      for (std::size_t i = 0; i < source.dataset.entries.size(); ++i) {
+        if (!to_track.Push(Read(source, i))) {
+          return;
+        }
+      }
+      to_track.Close();
+    });
+    const std::jthread recorder([&] {
+      try {
+        while (const std::optional<TrackedPair> pair = to_record.Pop()) {
+          Record(source, *pair, records);
+        }
+      } catch (const std::exception& error) {
+        failure = error.what();
+        to_record.Close();
+      }
+    });
+    end = TrackAll(source,
+                   {[&] { return to_track.Pop(); }, [&] { return to_track.TryPop(); },
+                    [&](TrackedPair pair) { return to_record.Push(std::move(pair)); }},
+                   odometry, records);
+    to_track.Close();
+    to_record.Close();
+  }
+  // What the recorder could not do came before anything that ended the tracking.
+  return failure.empty() ? end : EarlyEnd{failure, 0};
 }
 
 }  // namespace
@@ -98,19 +231,9 @@ void CheckNamesForMap(const vo::Dataset& dataset) {
 }
 
 EarlyEnd ProcessFrames(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
-  const std::size_t count = source.dataset.entries.size();
-  Progress progress("frame", count);
-  for (std::size_t i = 0; i < count; ++i) {
-    try {
-      progress.Update(i + 1, ProcessFrame(source, i, odometry, records));
-    } catch (const std::exception& error) {  // What is done is not lost, whatever fails.
-      return {error.what(), 0};
-    }
-    if (const int signal = Interruption::signal(); signal != 0 && i + 1 < count) {
-      return {"", signal};
-    }
-  }
-  return {};
+  records.metrics.Start();
+  return source.overlaps ? ProcessOverlapped(source, odometry, records)
+                         : ProcessInTurn(source, odometry, records);
 }
 
 }  // namespace gluevo::apps

@@ -32,6 +32,9 @@ struct FrameSource {
   const vo::Dataset& dataset;
   bool reads_images = true;
   bool is_strict = false;  ///< A frame that cannot be read ends the run, else it is left out.
+  /// Whether the next frames are read, and what is made of those before, while one is tracked: on
+  /// two more threads. Results are the same.
+  bool overlaps = true;
 };
 
 /// Why a run ended before its last frame; empty and 0 where it did not.

@@ -92,14 +92,12 @@ Json SegmentsJson(const std::vector<vo::FrameResult>& frames) {
 
 }  // namespace
 
-void RunMetrics::StartFrame() {
-  frame_start_ = Clock::now();
-  if (!run_start_) {
-    run_start_ = frame_start_;
-  }
-}
+void RunMetrics::Start() { run_start_ = frame_end_ = Clock::now(); }
 
-void RunMetrics::FrameIsRead() { read_ms_ = Milliseconds(Clock::now() - frame_start_); }
+void RunMetrics::FrameIsRead(double read_ms) {
+  frame_start_ = Clock::now();
+  read_ms_ = read_ms;
+}
 
 void RunMetrics::FrameIsLeftOut(std::size_t index, const std::string& why) {
   left_out_.push_back({index, why});
@@ -107,15 +105,31 @@ void RunMetrics::FrameIsLeftOut(std::size_t index, const std::string& why) {
 
 void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frame_end_ = Clock::now();
-  frames_.push_back(result);
+  vo::FrameResult kept = result;
   // The record must stay small however long the sequence is.
-  frames_.back().tracked_frame = {};
-  frames_.back().window = {};
-  stages_ms_["read"].push_back(read_ms_);
+  kept.tracked_frame = {};
+  kept.window = {};
+  kept.stages_ms.clear();
+  if (!log_) {
+    frames_.push_back(std::move(kept));
+  } else {
+    log_->Append(kept);
+    if (kept.inertial) {
+      frames_ = {std::move(kept)};
+    }
+  }
   for (const auto& [stage, ms] : result.stages_ms) {
     stages_ms_[stage].push_back(ms);
   }
-  stages_ms_["total"].push_back(Milliseconds(frame_end_ - frame_start_));
+  if (read_ms_) {
+    stages_ms_["read"].push_back(*read_ms_);
+    stages_ms_["total"].push_back(*read_ms_ + Milliseconds(frame_end_ - frame_start_));
+  }
+}
+
+void RunMetrics::LoadFrames() {
+  frames_ = log_->Read();
+  log_.reset();
 }
 
 int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }
@@ -198,6 +212,9 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
                                {"fit", MedianMatches(&vo::FrameResult::inliers)},
                                {"stereo", MedianMatches(&vo::FrameResult::stereo)},
                                {"moving", MedianMatches(&vo::FrameResult::moving)}};
+  if (context.live) {
+    AddLive(*context.live, json);
+  }
   if (context.imu) {
     json["imu"] = ImuJson(*context.imu, frames_);
   }
@@ -235,29 +252,6 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
     json["evaluation_failure"] = context.evaluation_failure;
   }
   nn::WriteWholeFile(path, [&](std::ostream& out) { out << JsonText(json); });
-}
-
-std::string RunMetrics::InertialSentence(const Context& context) const {
-  if (!context.imu) {
-    return "";
-  }
-  const std::optional<vo::InertialBegin>& begin = context.imu->begin;
-  if (!begin) {
-    return "The inertial unit has not started: " + context.imu->why_waiting;
-  }
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << "The inertial unit started "
-       << (begin->is_at_rest ? "at rest" : "in motion") << ' '
-       << 1e-9 * static_cast<double>(begin->timestamp_ns - frames_.front().timestamp_ns)
-       << " s after the first frame";
-  const auto newest = std::find_if(
-      frames_.rbegin(), frames_.rend(),
-      [](const vo::FrameResult& frame) { return frame.inertial && frame.inertial->time_offset_s; });
-  if (newest != frames_.rend()) {
-    text << std::setprecision(2) << "; its stamps are " << 1e3 * *newest->inertial->time_offset_s
-         << " ms (sigma " << 1e3 * newest->inertial->time_offset_sigma_s << ") behind the images'";
-  }
-  return text.str();
 }
 
 std::string RunMetrics::Summary(const Context& context) const {

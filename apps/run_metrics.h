@@ -11,6 +11,8 @@
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/pipeline/networks.h"
 #include "gluevo/vo/pipeline/odometry.h"
+#include "live/frame_log.h"
+#include "live/live_record.h"
 #include "loop_metrics.h"
 #include "options/option_values.h"
 #include "options/preset_options.h"
@@ -43,11 +45,19 @@ class RunMetrics {
     std::optional<LoopOutcome> loops;  ///< Where they were looked for.
     std::vector<std::string> causes;   ///< Why tracking yields little, vo::Causes().
     std::optional<ImuRecord> imu;      ///< Where an inertial unit is used.
+    std::optional<LiveRecord> live;    ///< Of what came as it happened.
   };
 
-  void StartFrame();
-  void FrameIsRead();
-  /// The started frame could not be read.
+  /// From now on what became of frames is kept on disk (FrameLog), and frames() has the newest one
+  /// of which an inertial unit says something only, until LoadFrames().
+  void KeepOnDisk(const std::filesystem::path& folder) { log_.emplace(folder); }
+  void LoadFrames();
+
+  /// The first frame is about to be read.
+  void Start();
+  /// The next frame is about to be tracked; `read_ms`: what reading it took. Not called where
+  /// frames come by themselves: their record has neither "read" nor "total".
+  void FrameIsRead(double read_ms);
   void FrameIsLeftOut(std::size_t index, const std::string& why);
   std::size_t left_out() const { return left_out_.size(); }
   void FrameIsDone(const vo::FrameResult& result);
@@ -89,9 +99,10 @@ class RunMetrics {
   std::optional<Clock::time_point> run_start_;
   Clock::time_point frame_start_;
   Clock::time_point frame_end_;
-  double read_ms_ = 0.0;
+  std::optional<double> read_ms_;
   std::vector<LeftOut> left_out_;
-  std::vector<vo::FrameResult> frames_;  // Their poses too: 200 bytes a frame.
+  std::vector<vo::FrameResult> frames_;  // Their poses and covariances too: a kilobyte a frame.
+  std::optional<FrameLog> log_;          // Where they are instead.
   std::map<std::string, std::vector<double>> stages_ms_;
 };
 

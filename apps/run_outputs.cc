@@ -97,21 +97,6 @@ void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
   }
 }
 
-// Localised frames are in the world of trajectory_optimized.
-void WritePlaces(const RunPlaces& places, const RunRecords& records,
-                 const std::vector<vo::Rigid3>& keyframe_poses, const vo::MapFeatures& features) {
-  vo::PlaceMap map = vo::MakePlaceMap(records.loops->closer(), keyframe_poses, features);
-  if (const auto new_from_old_world = WorldOfPlaces(records).new_from_old_world) {
-    for (vo::LoopKeyframe& keyframe : map.keyframes) {
-      keyframe.world_from_body = *new_from_old_world * keyframe.world_from_body;
-    }
-    for (vo::Rigid3& map_from_body : map.map_from_body) {
-      map_from_body = *new_from_old_world * map_from_body;
-    }
-  }
-  vo::WritePlaceMap(places.saved_map, vo::CullPlaceMap(std::move(map), places.culling));
-}
-
 void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
                  const RunRecords& records, const RunMetrics::Context& context) {
   RunReport report = records.metrics.Report(context);
@@ -164,6 +149,21 @@ void CheckPlaces(const RunPlaces& places) {
   if (!places.map.empty() && fs::exists(models, code) && !fs::is_directory(models, code)) {
     throw Error(models.string() + ": is a file; expected a folder for output");
   }
+}
+
+// Localised frames are in the world of trajectory_optimized.
+void WritePlaces(const RunPlaces& places, const RunRecords& records,
+                 const std::vector<vo::Rigid3>& keyframe_poses, const vo::MapFeatures& features) {
+  vo::PlaceMap map = vo::MakePlaceMap(records.loops->closer(), keyframe_poses, features);
+  if (const auto new_from_old_world = WorldOfPlaces(records).new_from_old_world) {
+    for (vo::LoopKeyframe& keyframe : map.keyframes) {
+      keyframe.world_from_body = *new_from_old_world * keyframe.world_from_body;
+    }
+    for (vo::Rigid3& map_from_body : map.map_from_body) {
+      map_from_body = *new_from_old_world * map_from_body;
+    }
+  }
+  vo::WritePlaceMap(places.saved_map, vo::CullPlaceMap(std::move(map), places.culling));
 }
 
 std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,

@@ -32,6 +32,11 @@ std::vector<std::filesystem::path> MapFiles(const RunPlaces& places);
 /// its place.
 void CheckPlaces(const RunPlaces& places);
 
+/// Writes the map of places to `places.saved_map`: all that the run keeps so far, its key frames at
+/// these poses. Throws Error where it cannot be written.
+void WritePlaces(const RunPlaces& places, const RunRecords& records,
+                 const std::vector<vo::Rigid3>& keyframe_poses, const vo::MapFeatures& features);
+
 /// Writes all that the run makes. Where one file cannot be written the others are; the first
 /// failure is returned, empty where there is none. `name`: the data set as the user named it.
 std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,

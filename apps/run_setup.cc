@@ -1,28 +1,87 @@
 #include "run_setup.h"
 
-#include <cstdint>
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <utility>
-#include <vector>
 
+#include "command_line/value_checks.h"
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/frontend/match_store.h"
 #include "gluevo/vo/frontend/network_memo.h"
+#include "options/estimator_options.h"
+#include "options/frontend_options.h"
+#include "options/loop_options.h"
+#include "options/network_options.h"
+#include "run_evaluation.h"
 #include "run_imu.h"
-#include "run_replay.h"
 
 namespace gluevo::apps {
-namespace {
 
-std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
-  std::vector<int64_t> timestamps_ns;
-  for (const vo::Dataset::Entry& entry : dataset.entries) {
-    timestamps_ns.push_back(entry.timestamp_ns);
-  }
-  return timestamps_ns;
+namespace fs = std::filesystem;
+
+void AddRunArguments(CLI::App& command, RunArguments& arguments) {
+  command.add_option("-o,--output", arguments.places.folder, "Folder for the results")
+      ->option_text("TEXT REQUIRED");
+  command.add_option("--config", arguments.config_file,
+                     "YAML file with values for any of these options; the command line goes first");
+  AddDatasetOptions(command, arguments.frames);
+  command
+      .add_option("--trajectory-format", arguments.places.trajectory_format,
+                  "Format of the trajectories: tum, euroc or kitti")
+      ->check(OneOf({"tum", "euroc", "kitti"}))
+      ->capture_default_str();
+  command.add_flag("--imu-rate", arguments.places.has_imu_rate,
+                   "Write imu_rate, too: a pose for every reading of the inertial unit");
+  command.add_flag(
+      "--estimate-time-offset", arguments.config.odometry.inertial.estimate_time_offset,
+      "Estimate how far the inertial unit's clock is ahead of the images', within some "
+      "10 ms (imu.time_offset_s in metrics.json)");
+  AddPresetOption(command, arguments.preset);
+  AddFrontEndOptions(command, arguments.config);
+  command.add_option("--cpus", arguments.processors,
+                     "Processors to run on, as in 0,2-3; default: all. Without --threads there is "
+                     "a thread for each of them");
+  AddEstimatorOptions(command, arguments.config.odometry);
+  AddLoopOptions(command, arguments.loops, arguments.places.saved_map, arguments.places.culling);
 }
 
-void MakeFrontEndAndLoops(const RunArguments& arguments, nn::ThreadPool& pool, RunSetup& setup) {
+std::vector<fs::path> OutputsOf(const RunArguments& arguments) {
+  std::vector<fs::path> outputs = OutputFiles(arguments.places);
+  outputs.push_back(arguments.places.saved_map);
+  return outputs;
+}
+
+std::vector<fs::path> InputsOf(const RunArguments& arguments) {
+  std::vector<fs::path> inputs = arguments.frames.calibration;
+  for (const fs::path& input :
+       {arguments.config_file, arguments.frames.groundtruth, arguments.loops.codebook,
+        arguments.loops.load_map, MakeDatasetOptions(arguments.frames).imu.value_or(""),
+        arguments.frames.imu_calibration}) {
+    inputs.push_back(input);
+  }
+  for (const fs::path& input : WeightsInputs(arguments.config.frontend.networks)) {
+    inputs.push_back(input);
+  }
+  return inputs;
+}
+
+void SetUpImu(const RunArguments& arguments, RunSetup& setup) {
+  setup.uses_imu =
+      ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
+  const auto needs_one = [&](bool is_asked, const std::string& option) {
+    if (is_asked && !setup.uses_imu) {
+      throw Error(setup.dataset.root.string() + ": no inertial unit is used, which " + option +
+                  " needs (see --imu)");
+    }
+  };
+  needs_one(arguments.places.has_imu_rate, "--imu-rate");
+  needs_one(arguments.config.odometry.inertial.estimate_time_offset, "--estimate-time-offset");
+}
+
+void SetUpFrontEnd(const RunArguments& arguments, nn::ThreadPool& pool, RunSetup& setup) {
   const vo::FrontEndConfig& config = arguments.config.frontend;
+  setup.method = config.method;
+  setup.features = setup.method == "klt" ? "" : config.features;
+  setup.matcher = vo::MatcherOf(config);
   std::shared_ptr<vo::FeatureExtractor> shared;
   if (arguments.loops.is_on) {
     setup.networks = vo::LoadNetworksWithLoops(config);
@@ -36,66 +95,41 @@ void MakeFrontEndAndLoops(const RunArguments& arguments, nn::ThreadPool& pool, R
   setup.frontend = vo::MakeFrontEnd(config, setup.dataset.rig, setup.networks, pool, shared);
 }
 
-// The networks are those of the command line: klt's stored runs have none.
-void MakeLoopsOfReplay(const RunArguments& arguments, const vo::MatchStoreReader& store,
-                       nn::ThreadPool& pool, RunSetup& setup) {
-  const vo::FrontEndConfig& config = arguments.config.frontend;
-  const vo::Networks networks = vo::LoadNetworksWithLoops(config);
-  AddReplayedWeights(networks.records, store.path(), setup.networks.records);
-  setup.loops.emplace(vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, networks,
-                                           vo::MakeFrontEndExtractor(config, networks, pool),
-                                           pool));
+int KernelThreads(const RunArguments& arguments, int threads) {
+  return arguments.config.frontend.method == "klt" ? std::max(1, threads - 1) : threads;
 }
 
-}  // namespace
+vo::Odometry MakeOdometry(const RunArguments& arguments, RunSetup& setup) {
+  vo::Odometry odometry(setup.dataset.rig, std::move(setup.frontend), arguments.config.odometry);
+  if (setup.uses_imu) {
+    odometry.UseImu(setup.dataset.imu->noise);
+  }
+  return odometry;
+}
 
-RunSetup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
-               nn::ThreadPool& pool) {
-  RunSetup setup;
-  if (arguments.loops.has_final_adjustment && !arguments.loops.is_on) {
-    throw Error("--final-adjustment on is of what loops keep: expected --loops on");
+RunMetrics::Context MakeContext(const CLI::App& command, const RunArguments& arguments,
+                                const RunSetup& setup, const RunRecords& records,
+                                const vo::Odometry& odometry, const EarlyEnd& end, int threads) {
+  RunMetrics::Context context = {.method = setup.method,
+                                 .features = setup.features,
+                                 .matcher = setup.matcher,
+                                 .threads = threads,
+                                 .weights = setup.networks.records,
+                                 .options = OptionValues(command),
+                                 .origins = setup.origins,
+                                 .dataset_warnings = setup.dataset.warnings,
+                                 .images_left_out = setup.dataset.images_left_out,
+                                 .frames_asked = setup.dataset.entries.size(),
+                                 .is_interrupted = end.signal != 0,
+                                 .failure = end.failure,
+                                 .causes = records.diagnosis.Causes(),
+                                 .imu = MakeImuRecord(setup.dataset, odometry)};
+  AddEvaluations(setup.dataset, records, context);
+  if (records.loops) {
+    context.loops =
+        CloseLoops(*records.loops, arguments.loops.has_final_adjustment, setup.dataset.groundtruth);
   }
-  setup.method = arguments.config.frontend.method;
-  std::optional<vo::MatchStoreReader> store;
-  if (!arguments.replay.empty()) {
-    store.emplace(arguments.replay);
-    setup.method = ReplayedMethod(command, *store);
-    SelectReplayedFrames(command, *store, arguments.frames.start, arguments.frames.count,
-                         arguments.frames.stride);
-  }
-  setup.dataset = vo::OpenDataset(arguments.dataset, MakeDatasetOptions(arguments.frames));
-  setup.uses_imu =
-      ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
-  if (arguments.places.has_imu_rate && !setup.uses_imu) {
-    throw Error(arguments.dataset.string() +
-                ": no inertial unit is used, which --imu-rate needs (see --imu)");
-  }
-  if (arguments.config.odometry.inertial.estimate_time_offset && !setup.uses_imu) {
-    throw Error(setup.dataset.root.string() +
-                ": no inertial unit is used, which --estimate-time-offset needs (see --imu)");
-  }
-  PrintNotes(setup.dataset);
-  if (store) {
-    LeaveOutReplayed(*store, setup.dataset);
-  }
-  setup.origins =
-      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
-  setup.reads_images = !store || !arguments.places.map.empty() || arguments.loops.is_on;
-  if (store) {
-    setup.networks.records = ReplayedWeights(*store);
-    if (arguments.loops.is_on) {
-      MakeLoopsOfReplay(arguments, *store, pool, setup);
-    }
-    setup.features = ReplayedFeatures(*store);
-    setup.matcher = ReplayedMatcher(*store);
-    setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
-                                                          TimesOf(setup.dataset));
-  } else {
-    setup.features = setup.method == "klt" ? "" : arguments.config.frontend.features;
-    setup.matcher = vo::MatcherOf(arguments.config.frontend);
-    MakeFrontEndAndLoops(arguments, pool, setup);
-  }
-  return setup;
+  return context;
 }
 
 }  // namespace gluevo::apps

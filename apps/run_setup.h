@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "command_line.h"
 #include "gluevo/nn/thread_pool.h"
 #include "gluevo/vo/frontend/frontend.h"
 #include "gluevo/vo/io/dataset.h"
@@ -16,23 +16,29 @@
 #include "gluevo/vo/pipeline/odometry.h"
 #include "options/dataset_options.h"
 #include "options/preset_options.h"
+#include "run_frames.h"
+#include "run_metrics.h"
 #include "run_outputs.h"
 
 namespace gluevo::apps {
 
-/// What the command line of gluevo run says.
+/// What `gluevo run` and `gluevo live` are told alike.
 struct RunArguments {
-  std::filesystem::path dataset;
   RunPlaces places;
   std::filesystem::path config_file;
   std::string preset;
   DatasetArguments frames;
-  std::filesystem::path save_matches;
-  std::filesystem::path replay;
-  bool is_strict = false;
+  std::string processors;  ///< As UseProcessors takes it.
   vo::OdometryConfig config;
   vo::LoopConfig loops;
 };
+
+/// Their options.
+void AddRunArguments(CLI::App& command, RunArguments& arguments);
+
+/// Files that the arguments name: to write, and to read. (Those of one command alone apart.)
+std::vector<std::filesystem::path> OutputsOf(const RunArguments& arguments);
+std::vector<std::filesystem::path> InputsOf(const RunArguments& arguments);
 
 /// Everything that a run needs and that can fail, before its first frame.
 struct RunSetup {
@@ -48,9 +54,24 @@ struct RunSetup {
   bool uses_imu = false;
 };
 
-/// Opens the data set, loads the networks and makes the front end. `given`: the options that the
-/// command line itself has. Throws Error for what is missing or does not go together.
-RunSetup SetUp(RunArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given,
-               nn::ThreadPool& pool);
+/// Whether the inertial unit is used; what has to be there for the options. Throws Error where it
+/// is not.
+void SetUpImu(const RunArguments& arguments, RunSetup& setup);
+
+/// The front end that the arguments name, with its networks and loops.
+void SetUpFrontEnd(const RunArguments& arguments, nn::ThreadPool& pool, RunSetup& setup);
+
+/// How many threads the kernels of a front end get where the command has so many in all: those that
+/// read and write beside it are the others. Networks take so much longer than reading that all
+/// threads are theirs.
+int KernelThreads(const RunArguments& arguments, int threads);
+
+/// Where there is an inertial unit to use the odometry will use it.
+vo::Odometry MakeOdometry(const RunArguments& arguments, RunSetup& setup);
+
+/// All that the record of a run says beside its frames.
+RunMetrics::Context MakeContext(const CLI::App& command, const RunArguments& arguments,
+                                const RunSetup& setup, const RunRecords& records,
+                                const vo::Odometry& odometry, const EarlyEnd& end, int threads);
 
 }  // namespace gluevo::apps

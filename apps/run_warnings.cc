@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -33,6 +36,10 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
   if (!left_out_.empty()) {
     warnings.push_back(Counted(left_out_.size(), "frame") +
                        " left out that cannot be read, the first one: " + left_out_.front().why);
+  }
+  if (context.live) {
+    const std::vector<std::string> of_live = LiveWarnings(*context.live);
+    warnings.insert(warnings.end(), of_live.begin(), of_live.end());
   }
   warnings.insert(warnings.end(), context.causes.begin(), context.causes.end());
   // The first frame has nothing to be tracked from.
@@ -87,6 +94,29 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
                        " times: poses of different segments are not linked");
   }
   return warnings;
+}
+
+std::string RunMetrics::InertialSentence(const Context& context) const {
+  if (!context.imu) {
+    return "";
+  }
+  const std::optional<vo::InertialBegin>& begin = context.imu->begin;
+  if (!begin) {
+    return "The inertial unit has not started: " + context.imu->why_waiting;
+  }
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << "The inertial unit started "
+       << (begin->is_at_rest ? "at rest" : "in motion") << ' '
+       << 1e-9 * static_cast<double>(begin->timestamp_ns - frames_.front().timestamp_ns)
+       << " s after the first frame";
+  const auto newest = std::find_if(
+      frames_.rbegin(), frames_.rend(),
+      [](const vo::FrameResult& frame) { return frame.inertial && frame.inertial->time_offset_s; });
+  if (newest != frames_.rend()) {
+    text << std::setprecision(2) << "; its stamps are " << 1e3 * *newest->inertial->time_offset_s
+         << " ms (sigma " << 1e3 * newest->inertial->time_offset_sigma_s << ") behind the images'";
+  }
+  return text.str();
 }
 
 std::string RunMetrics::WhyNothingWasRead() const {

@@ -45,7 +45,11 @@ void AddCullingOption(OptionGroup& group, vo::MapCullingOptions& culling) {
 
 void TurnOnForMaps(CLI::App& command, vo::LoopConfig& config,
                    const std::filesystem::path& save_map) {
-  if (config.is_on || (save_map.empty() && config.load_map.empty())) {
+  const bool has_map = !save_map.empty() || !config.load_map.empty();
+  if (config.has_final_adjustment && !config.is_on && !has_map) {
+    throw Error("--final-adjustment on is of what loops keep: expected --loops on");
+  }
+  if (config.is_on || !has_map) {
     return;
   }
   CLI::Option* const loops = command.get_option("--loops");

@@ -47,6 +47,15 @@ TEST_F(ExamplesTest, OdometryPrintsWhatTheCommandWrites) {
   EXPECT_NE(refused.error.find("absent"), std::string::npos);
 }
 
+TEST_F(ExamplesTest, LiveTellsOfEveryFrame) {
+  const Outcome outcome = RunProgram(GLUEVO_EXAMPLES "live", MakeFlight() + " klt");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  // A busy machine may drop some of the eight.
+  const auto dropped = outcome.out.find("8 frames, ");
+  ASSERT_NE(dropped, std::string::npos) << outcome.out;
+  EXPECT_EQ(Lines(outcome.out), 9 - std::stoi(outcome.out.substr(dropped + 10))) << outcome.out;
+}
+
 TEST_F(ExamplesTest, MatchImagesMatchesAnImageWithItself) {
   const fs::path images = fs::path(MakeFlight()) / "mav0" / "cam0" / "data";
   const std::string image = fs::directory_iterator(images)->path().string();

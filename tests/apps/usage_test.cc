@@ -30,8 +30,8 @@ class UsageTest : public CommandTest {
 };
 
 TEST_F(UsageTest, WhatThereIsNotIsNamed) {
-  ExpectBadUsage("", "no command, expected one of run, extract");
-  ExpectBadUsage("fly data", "\"fly\" is no command, expected one of run, extract");
+  ExpectBadUsage("", "no command, expected one of run, live, extract");
+  ExpectBadUsage("fly data", "\"fly\" is no command, expected one of run, live, extract");
   ExpectBadUsage("run", "DATASET is missing, expected: Folder of the data set; see gluevo run");
   ExpectBadUsage("run data", "--output is missing, expected: Folder for the results");
   ExpectBadUsage("extract images --out f.h5", "\"--out\" is no option of gluevo extract");
@@ -92,6 +92,21 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
         "--min-confirmed-share 2"}) {
     ExpectRefused(run + option, 1, "(" + option.substr(0, option.find(' ')) + ")");
   }
+}
+
+TEST_F(UsageTest, ProcessorsAreThoseThatThereAre) {
+  ASSERT_EQ(
+      Run("simulate -o " + Path("flight") + " --duration 0.4 --rate 10 --width 96 --height 64")
+          .exit_code,
+      0);
+  const std::string run = "run " + Path("flight") + " --method klt -o " + Path("out") + " --cpus ";
+  for (const std::string wrong : {"x", "1-", "3-1", "0,,1", "0,"}) {
+    ExpectRefused(run + wrong, 1, "expected numbers of processors as in 0,2-3");
+  }
+  ExpectRefused(run + "1000", 1, "--cpus names processor 1000; expected one that is there");
+  // One processor, and so one thread.
+  EXPECT_NE(Run(run + "0").error.find("frame"), std::string::npos);
+  EXPECT_NE(Contents(Path("out/metrics.json")).find("\"threads\": 1"), std::string::npos);
 }
 
 TEST_F(UsageTest, NamesDoNotSteerTheTerminal) {

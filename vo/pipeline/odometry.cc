@@ -10,6 +10,7 @@
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "odometry_frame_pose.h"
+#include "tracking_ahead.h"
 
 namespace gluevo::vo {
 namespace {
@@ -60,6 +61,8 @@ Odometry::Odometry(const StereoRig& rig, std::unique_ptr<FrontEnd> frontend,
 Odometry::~Odometry() = default;
 Odometry::Odometry(Odometry&&) noexcept = default;
 Odometry& Odometry::operator=(Odometry&& other) noexcept {
+  ahead_ = std::move(other.ahead_);
+  announced_ = std::move(other.announced_);
   // The old front end must go before the old pool does.
   frontend_ = std::move(other.frontend_);
   pool_ = std::move(other.pool_);
@@ -87,12 +90,10 @@ StereoRig Odometry::rig() const { return window_->rig(); }
 FrameResult Odometry::Process(const StereoFrame& frame) {
   CheckTime(frame.timestamp_ns);
   FrameResult result{.timestamp_ns = frame.timestamp_ns};
+  Expect(frame.timestamp_ns);
+  Track(frame, result);
   StageTimer timer(result.stages_ms);
   TrackedFrame& tracked = result.tracked_frame;
-  Expect(frame.timestamp_ns);
-  timer.End("estimator");
-  tracked = Track(frame);
-  timer.End("frontend");
 
   std::optional<FramePose> pose = Locate(tracked, result);
   timer.End("estimator");
@@ -105,9 +106,11 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   last_timestamp_ns_ = frame.timestamp_ns;
   if (!pose && MayPassOver(tracked)) {
     PassOver(result);
+    BeginAnnounced(/*is_passed_over=*/true);
     timer.End("estimator");
     return result;
   }
+  const bool is_accepted = BeginAnnounced(/*is_passed_over=*/false);
   TrackedFrame at_rest = tracked;
   if (pose) {
     if (navigation_) {
@@ -134,7 +137,9 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   FollowInertia(is_linked, result);
   passed_over_ = 0;
   history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
-  frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
+  if (!is_accepted) {
+    frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
+  }
   timer.End("estimator");
   return result;
 }
@@ -169,8 +174,47 @@ void Odometry::PassOver(FrameResult& result) {
   frontend_->Accept({.is_passed_over = true});
 }
 
-TrackedFrame Odometry::Track(const StereoFrame& frame) {
-  return WithoutNonFinite(frontend_->Track(frame));
+void Odometry::Track(const StereoFrame& frame, FrameResult& result) {
+  Stopwatch watch;
+  TrackedFrame tracked;
+  if (ahead_ && ahead_->has_begun()) {
+    internal::TrackingAhead::Tracked done = ahead_->Take();
+    tracked = std::move(done.frame);
+    result.stages_ms["frontend"] = done.took_ms;
+    if (tracked.timestamp_ns != frame.timestamp_ns) {
+      throw Error("the frame at " + std::to_string(frame.timestamp_ns) +
+                  " ns is not the one that was announced, at " +
+                  std::to_string(tracked.timestamp_ns) + " ns");
+    }
+  } else {
+    tracked = frontend_->Track(frame);
+    result.stages_ms["frontend"] = watch.Lap();
+  }
+  result.tracked_frame = WithoutNonFinite(std::move(tracked));
+}
+
+void Odometry::Announce(const StereoFrame& next) {
+  // What an inertial unit makes the front end expect comes from the estimate.
+  if (navigation_ || !frontend_->NeedsOnlyPassedOver() || announced_) {
+    return;
+  }
+  if (!ahead_) {
+    ahead_ = std::make_unique<internal::TrackingAhead>();
+  }
+  announced_ = next;
+}
+
+bool Odometry::BeginAnnounced(bool is_passed_over) {
+  if (!announced_) {
+    return false;
+  }
+  if (!is_passed_over) {
+    frontend_->Accept({});
+  }
+  ahead_->Begin([frontend = frontend_.get(), frame = *std::exchange(announced_, std::nullopt)] {
+    return frontend->Track(frame);
+  });
+  return true;
 }
 
 bool Odometry::Retry(TrackedFrame& tracked) {

@@ -38,6 +38,7 @@ class FreezeGuard final : public FrontEnd {
   TrackedFrame Track(const StereoFrame& frame) override;
   std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override;
+  bool NeedsOnlyPassedOver() const override { return guarded_->NeedsOnlyPassedOver(); }
   void PassOver() override;
 
  private:

@@ -48,6 +48,11 @@ class FrontEnd {
   /// The estimator has done with the frame that was given last.
   virtual void Accept(const FrameOutcome& /*outcome*/) {}
 
+  /// Whether Track() for the next frame needs of the outcome only whether this one was passed over.
+  /// Accept() may then be called as soon as that is known, with the rest as it is by default, and
+  /// Track() be called on another thread than the rest, at a time when nobody else calls.
+  virtual bool NeedsOnlyPassedOver() const { return false; }
+
   /// A frame of the sequence came that shows nothing and was not given to Track().
   virtual void PassOver() {}
 };

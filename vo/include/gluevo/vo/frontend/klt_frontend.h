@@ -60,6 +60,7 @@ class KltFrontEnd final : public FrontEnd {
   /// descriptors say. (Else there is no other way, as in the baseline.)
   std::optional<TrackedFrame> Retry() override;
   void Accept(const FrameOutcome& outcome) override;
+  bool NeedsOnlyPassedOver() const override { return true; }
   void PassOver() override { ++frames_since_last_; }
 
  private:

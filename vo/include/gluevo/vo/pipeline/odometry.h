@@ -24,6 +24,9 @@
 namespace gluevo::vo {
 
 class SlidingWindow;
+namespace internal {
+class TrackingAhead;
+}
 
 /// Stereo odometry, with an inertial unit where there is one: a pose for every frame, from this
 /// frame and those before it, never revised.
@@ -50,6 +53,11 @@ class Odometry {
   /// How the unit stands; null without one.
   const InertialNavigation* inertial() const { return navigation_.get(); }
 
+  /// Before Process(): the frame after the one that is given to it next. Where the front end can
+  /// (FrontEnd::NeedsOnlyPassedOver), it is tracked on a thread of its own while that one is
+  /// estimated; results are the same. It has to be the next one then. Does nothing where the front
+  /// end cannot, or a frame has been announced already.
+  void Announce(const StereoFrame& next);
   /// The next stereo pair. Throws Error where the time does not increase, and what the front end
   /// throws.
   FrameResult Process(const StereoFrame& frame);
@@ -68,7 +76,10 @@ class Odometry {
   };
 
   void CheckTime(int64_t timestamp_ns) const;
-  TrackedFrame Track(const StereoFrame& frame);
+  void Track(const StereoFrame& frame, FrameResult& result);
+  /// The front end may be told that the frame is not passed over, and go on to the one announced.
+  /// False where it has to wait for the outcome.
+  bool BeginAnnounced(bool is_passed_over);
   /// Another way to match the frame that the front end gave last; false where there is none.
   bool Retry(TrackedFrame& tracked);
   /// Also says in `result` what it was located by.
@@ -125,7 +136,10 @@ class Odometry {
   int64_t keyframe_ns_ = 0;                   // The newest.
   std::optional<int64_t> last_timestamp_ns_;  // Of frames that were passed over, too.
   int segment_ = 0;
-  int passed_over_ = 0;  // Frames since the last one that was not.
+  int passed_over_ = 0;                             // Frames since the last one that was not.
+  std::optional<StereoFrame> announced_;            // Until its tracking begins.
+  std::unique_ptr<internal::TrackingAhead> ahead_;  // Absent until a frame is announced. Last:
+                                                    // its thread uses the front end.
 };
 
 }  // namespace gluevo::vo

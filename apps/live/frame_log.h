@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "gluevo/vo/core/frame_result.h"
+
+namespace gluevo::apps {
+
+/// What became of frames, without their tracks and times of stages, in a file without a name: the
+/// record of hours takes no memory until it is asked for.
+class FrameLog {
+ public:
+  /// On the file system of `folder`. Throws Error where no file can be made there.
+  explicit FrameLog(const std::filesystem::path& folder);
+
+  /// Throws Error where it cannot be written.
+  void Append(const vo::FrameResult& frame);
+  /// All of them, to the last bit. Throws Error where they cannot be read.
+  std::vector<vo::FrameResult> Read();
+
+ private:
+  std::filesystem::path folder_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::size_t frames_ = 0;
+};
+
+}  // namespace gluevo::apps

@@ -1,0 +1,93 @@
+// The part of gluevo that needs OpenCV's videoio, in a module of its own that is loaded when a
+// camera is asked for.
+
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+
+#include "video_device.h"
+
+namespace gluevo::apps {
+namespace {
+
+int64_t MonotonicNs() {
+  timespec now = {};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  return int64_t{1'000'000'000} * now.tv_sec + now.tv_nsec;
+}
+
+// A pipeline that ends in nothing gets an end that keeps the newest image only.
+std::string WithSink(const std::string& pipeline) {
+  return pipeline.find("appsink") != std::string::npos
+             ? pipeline
+             : pipeline +
+                   " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink max-buffers=2 drop=true";
+}
+
+bool OpenCapture(const std::string& source, cv::VideoCapture& capture) {
+  if (source.find('!') != std::string::npos) {
+    return capture.open(WithSink(source), cv::CAP_GSTREAMER);
+  }
+  // Seconds until a camera that gives no images is taken for gone.
+  setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", /*overwrite=*/0);
+  const bool is_number = source.find_first_not_of("0123456789") == std::string::npos;
+  return capture.open(is_number ? "/dev/video" + source : source, cv::CAP_V4L2);
+}
+
+class CaptureDevice final : public VideoDevice {
+ public:
+  explicit CaptureDevice(cv::VideoCapture capture) : capture_(std::move(capture)) {}
+
+  bool Grab() override { return capture_.grab(); }
+
+  std::optional<int64_t> StampNs() override {
+    if (capture_.getBackendName() != "V4L2") {
+      return std::nullopt;
+    }
+    const auto stamp =
+        static_cast<int64_t>(std::llround(1e6 * capture_.get(cv::CAP_PROP_POS_MSEC)));
+    // Drivers that stamp by another clock, or not at all, are of no use here.
+    constexpr int64_t kSecond = 1'000'000'000;
+    const int64_t age = MonotonicNs() - stamp;
+    return age >= 0 && age < kSecond ? std::optional(stamp) : std::nullopt;
+  }
+
+  bool Retrieve(cv::Mat& gray) override {
+    cv::Mat image;
+    if (!capture_.retrieve(image) || image.empty()) {
+      return false;
+    }
+    if (image.channels() == 1) {
+      gray = image.clone();  // The next image may take its place.
+    } else {
+      gray = cv::Mat();
+      cv::cvtColor(image, gray, image.channels() == 4 ? cv::COLOR_BGRA2GRAY : cv::COLOR_BGR2GRAY);
+    }
+    return gray.type() == CV_8UC1;
+  }
+
+ private:
+  cv::VideoCapture capture_;
+};
+
+}  // namespace
+}  // namespace gluevo::apps
+
+// The caller owns what it gets; null where the source cannot be opened.
+extern "C" __attribute__((visibility("default"))) gluevo::apps::VideoDevice* GluevoOpenVideo(
+    const char* source) {
+  try {
+    // What is wrong is told by gluevo.
+    cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);
+    cv::VideoCapture capture;
+    if (!gluevo::apps::OpenCapture(source, capture)) {
+      return nullptr;
+    }
+    return new gluevo::apps::CaptureDevice(std::move(capture));
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace gluevo::apps {
+
+/// Where the view is to be seen.
+struct ViewAddress {
+  std::string host = "127.0.0.1";
+  uint16_t port = 8080;  ///< 0: any that is free.
+  std::string token;     ///< Who has it not sees nothing; empty: none.
+
+  bool is_loopback() const;
+};
+
+/// PORT, ADDRESS or ADDRESS:PORT ("[::1]:8080" for IPv6). Throws Error for anything else.
+ViewAddress ParseViewAddress(const std::string& text);
+
+/// Sixteen hexadecimal digits that nobody can guess.
+std::string MakeViewToken();
+
+/// Whether a request is one of this page's own. `host` and `origin`: its headers, empty where there
+/// is none; `target`: "/stream?token=...". Other pages that the same browser shows may not ask: a
+/// name that is led to this machine is not its own, nor is their origin.
+bool IsOwnRequest(const ViewAddress& address, std::string_view host, std::string_view origin,
+                  std::string_view target);
+
+}  // namespace gluevo::apps
