@@ -285,7 +285,7 @@ TEST(SimulationTest, RefusesOptionsOutOfRange) {
   options.path = "moon";
   EXPECT_EQ(ErrorOf(options),
             "unknown path \"moon\" to simulate, expected one of: hall_loop, figure_eight, "
-            "corridor, hover, fast_yaw, rest, straight, spin, planar");
+            "corridor, hover, fast_yaw, rest, straight, spin, planar, street");
   for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     options = {};
     options.duration_s = bad;
