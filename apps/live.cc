@@ -215,6 +215,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   }
   if (arguments.rounds > 1) {
     arguments.frames.imu = "off";
+    setup.dataset.groundtruth.reset();  // It does not go backwards.
   }
   SetUpImu(arguments, setup);
   PrintNotes(setup.dataset);

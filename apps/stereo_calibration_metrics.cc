@@ -55,11 +55,10 @@ std::string TextOfStereoCalibration(const std::vector<vo::FrameResult>& frames) 
     return "";
   }
   std::ostringstream text;
-  text << std::fixed << std::setprecision(2) << "The stereo calibration is off, and corrected: the "
-       << "right image lies " << estimate->focal_px * estimate->turn.y() << " px (sigma "
-       << estimate->focal_px * estimate->turn_sigma.y() << ") to the right and "
-       << -estimate->focal_px * estimate->turn.x() << " px (sigma "
-       << estimate->focal_px * estimate->turn_sigma.x() << ") below where it should";
+  text << std::fixed << std::setprecision(2)
+       << "The stereo calibration is off, which is made up for: by what the frames show the right "
+       << "image lies " << estimate->focal_px * estimate->turn.y() << " px to the right and "
+       << -estimate->focal_px * estimate->turn.x() << " px below where it should";
   return text.str();
 }
 

@@ -1,5 +1,9 @@
 #include "live_run.h"
 
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <iostream>
@@ -13,6 +17,19 @@ namespace gluevo::apps {
 namespace {
 
 constexpr int64_t kStatusEveryNs = 10'000'000'000;
+
+// Whoever reads standard output is waited for, but not beyond a wish to end.
+bool TakesALine() {
+  constexpr int kPatienceMs = 100;
+  pollfd output{STDOUT_FILENO, POLLOUT, 0};
+  while (Interruption::signal() == 0) {
+    const int ready = poll(&output, 1, kPatienceMs);
+    if (ready > 0 || (ready < 0 && errno != EINTR)) {
+      return true;
+    }
+  }
+  return poll(&output, 1, 0) > 0;
+}
 
 void Warn(const std::string& warning) { PrintMessage("gluevo: warning", warning); }
 
@@ -62,7 +79,7 @@ void LiveRun::ShowTracked(const vo::FrameResult& result, const vo::Odometry& odo
 // On the thread of results.
 void LiveRun::Publish(const vo::LiveResult& live) {
   const std::string line = TumLine({live.result.timestamp_ns, live.result.world_from_body});
-  if (parts_.prints_poses) {
+  if (parts_.prints_poses && TakesALine()) {
     std::cout << line << std::flush;
   }
   for (const std::unique_ptr<LinePublisher>& publisher : parts_.publishers) {
