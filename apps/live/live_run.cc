@@ -124,13 +124,13 @@ void LiveRun::TellStatus(int64_t since_begin_ns) {
   const vo::LiveStatistics statistics = pipeline_->statistics();
   if (statistics.frames_tracked > 0) {
     char line[160];
-    std::snprintf(
-        line, sizeof(line),
-        "%.0f s: %lld frames, %lld dropped; latency %.0f ms, 95 of 100 below %.0f ms",
-        1e-9 * static_cast<double>(since_begin_ns),
-        static_cast<long long>(statistics.frames_tracked),
-        static_cast<long long>(statistics.frames_dropped + parts_.source.counts().frames_late),
-        statistics.latency_median_ms, statistics.latency_p95_ms);
+    std::snprintf(line, sizeof(line),
+                  "%.0f s: %lld frames, %lld dropped; latency %.0f ms, 95 of 100 below %.0f ms",
+                  1e-9 * static_cast<double>(since_begin_ns),
+                  static_cast<long long>(statistics.frames_tracked),
+                  static_cast<long long>(statistics.frames_dropped) +
+                      static_cast<long long>(parts_.source.counts().frames_late),
+                  statistics.latency_median_ms, statistics.latency_p95_ms);
     std::cerr << line << '\n';
   }
 }
