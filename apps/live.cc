@@ -21,7 +21,6 @@
 #include "live/dataset_source.h"
 #include "live/live_run.h"
 #include "options/loop_options.h"
-#include "options/yaml_config.h"
 #include "processors.h"
 #include "run_setup.h"
 
@@ -274,13 +273,7 @@ void AddLiveCommand(CLI::App& app) {
   const auto arguments = std::make_shared<LiveArguments>();
   AddLiveOptions(*command, *arguments);
   command->callback([arguments, command] {
-    const std::map<std::string, bool> given = OptionsGiven(*command);
-    if (!arguments->config_file.empty()) {
-      ApplyYamlConfig(*command, arguments->config_file);
-    }
-    if (arguments->places.folder.empty()) {
-      throw CLI::RequiredError("--output");  // Which the file may give.
-    }
+    const std::map<std::string, bool> given = TakeConfigFile(*command, *arguments);
     Live(*arguments, *command, given);
   });
 }

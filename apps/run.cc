@@ -23,7 +23,6 @@
 #include "interruption.h"
 #include "options/loop_options.h"
 #include "options/preset_options.h"
-#include "options/yaml_config.h"
 #include "processors.h"
 #include "run_frames.h"
 #include "run_metrics.h"
@@ -202,13 +201,7 @@ void AddRunCommand(CLI::App& app) {
   const auto arguments = std::make_shared<OfflineArguments>();
   AddRunOptions(*command, *arguments);
   command->callback([arguments, command] {
-    const std::map<std::string, bool> given = OptionsGiven(*command);
-    if (!arguments->config_file.empty()) {
-      ApplyYamlConfig(*command, arguments->config_file);
-    }
-    if (arguments->places.folder.empty()) {
-      throw CLI::RequiredError("--output");  // Which the file may give.
-    }
+    const std::map<std::string, bool> given = TakeConfigFile(*command, *arguments);
     Run(*arguments, *command, given);
   });
 }

@@ -1,13 +1,14 @@
 #include "run_imu.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <utility>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/median.h"
 #include "gluevo/vo/inertial/gravity.h"
 #include "gluevo/vo/inertial/poses_at_readings.h"
+#include "newest_estimate.h"
 
 namespace gluevo::apps {
 namespace {
@@ -17,14 +18,6 @@ using Json = nlohmann::ordered_json;
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
-
-// The newest frame that says something of the inertial unit.
-const vo::InertialEstimate* Newest(const std::vector<vo::FrameResult>& frames) {
-  const auto frame = std::find_if(frames.rbegin(), frames.rend(), [](const vo::FrameResult& one) {
-    return one.inertial.has_value();
-  });
-  return frame == frames.rend() ? nullptr : &*frame->inertial;
-}
 
 double MedianRms(const std::vector<vo::FrameResult>& frames, double vo::InertialEstimate::*rms) {
   std::vector<double> values;
@@ -97,7 +90,8 @@ Json ImuJson(const ImuRecord& record, const std::vector<vo::FrameResult>& frames
       json["frames_bridged"].push_back(i);
     }
   }
-  if (const vo::InertialEstimate* const newest = Newest(frames)) {
+  if (const vo::InertialEstimate* const newest =
+          NewestEstimate(frames, &vo::FrameResult::inertial)) {
     json["gravity"] = ToJson(newest->gravity_in_world);
     json["gravity_sigma_deg"] = newest->gravity_sigma / kDegree;
     json["gyroscope_bias"] = ToJson(newest->bias.gyroscope);
@@ -121,7 +115,8 @@ vo::Trajectory ImuRateTrajectory(const vo::ImuData& imu,
                                  const std::vector<vo::FrameResult>& frames) {
   vo::ImuReadings readings(imu.noise);
   readings.Add(imu.samples);
-  if (const vo::InertialEstimate* const newest = Newest(frames); newest && newest->time_offset_s) {
+  if (const vo::InertialEstimate* const newest = NewestEstimate(frames, &vo::FrameResult::inertial);
+      newest && newest->time_offset_s) {
     readings.set_time_offset_s(*newest->time_offset_s);
   }
   vo::Trajectory trajectory;
@@ -144,7 +139,7 @@ vo::Trajectory ImuRateTrajectory(const vo::ImuData& imu,
 }
 
 std::optional<Eigen::Quaterniond> LevelFromWorld(const std::vector<vo::FrameResult>& frames) {
-  const vo::InertialEstimate* const newest = Newest(frames);
+  const vo::InertialEstimate* const newest = NewestEstimate(frames, &vo::FrameResult::inertial);
   return newest == nullptr ? std::nullopt
                            : std::optional(vo::LevelFromWorld(newest->gravity_in_world));
 }

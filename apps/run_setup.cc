@@ -11,6 +11,7 @@
 #include "options/frontend_options.h"
 #include "options/loop_options.h"
 #include "options/network_options.h"
+#include "options/yaml_config.h"
 #include "run_evaluation.h"
 #include "run_imu.h"
 
@@ -42,6 +43,17 @@ void AddRunArguments(CLI::App& command, RunArguments& arguments) {
                      "a thread for each of them");
   AddEstimatorOptions(command, arguments.config.odometry);
   AddLoopOptions(command, arguments.loops, arguments.places.saved_map, arguments.places.culling);
+}
+
+std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments& arguments) {
+  const std::map<std::string, bool> given = OptionsGiven(command);
+  if (!arguments.config_file.empty()) {
+    ApplyYamlConfig(command, arguments.config_file);
+  }
+  if (arguments.places.folder.empty()) {
+    throw CLI::RequiredError("--output");  // Which the file may give.
+  }
+  return given;
 }
 
 std::vector<fs::path> OutputsOf(const RunArguments& arguments) {

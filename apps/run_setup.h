@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +36,10 @@ struct RunArguments {
 
 /// Their options.
 void AddRunArguments(CLI::App& command, RunArguments& arguments);
+
+/// Once the command line is read: what the file of --config says counts where that says nothing.
+/// Returns what OptionsGiven says of the command line alone. Throws where neither names an output.
+std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments& arguments);
 
 /// Files that the arguments name: to write, and to read. (Those of one command alone apart.)
 std::vector<std::filesystem::path> OutputsOf(const RunArguments& arguments);

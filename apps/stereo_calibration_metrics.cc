@@ -6,18 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "newest_estimate.h"
+
 namespace gluevo::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
 using Estimate = vo::StereoCalibrationEstimate;
-
-const Estimate* NewestEstimate(const std::vector<vo::FrameResult>& frames) {
-  const auto frame = std::find_if(frames.rbegin(), frames.rend(), [](const vo::FrameResult& one) {
-    return one.stereo_calibration.has_value();
-  });
-  return frame == frames.rend() ? nullptr : &*frame->stereo_calibration;
-}
 
 Json Milli(const Eigen::Vector3d& radians) {
   return {1e3 * radians.x(), 1e3 * radians.y(), 1e3 * radians.z()};
@@ -26,7 +21,7 @@ Json Milli(const Eigen::Vector3d& radians) {
 }  // namespace
 
 Json StereoCalibrationJson(const std::vector<vo::FrameResult>& frames) {
-  const Estimate* const estimate = NewestEstimate(frames);
+  const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::stereo_calibration);
   if (estimate == nullptr) {
     return nullptr;
   }
@@ -43,7 +38,7 @@ Json StereoCalibrationJson(const std::vector<vo::FrameResult>& frames) {
 std::string TextOfStereoCalibration(const std::vector<vo::FrameResult>& frames) {
   constexpr double kLeastPx = 0.1;
   constexpr double kSigmas = 3.0;
-  const Estimate* const estimate = NewestEstimate(frames);
+  const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::stereo_calibration);
   if (estimate == nullptr) {
     return "";
   }
