@@ -264,6 +264,12 @@ void AddEvaluateCommand(CLI::App& app) {
       ->capture_default_str();
   command->add_flag("--all-pairs", arguments->options.rpe_every_frame,
                     "Take it from every frame, not from every so many-th");
+  command
+      ->add_option("--rpe-lengths", arguments->options.rpe_lengths_m,
+                   "Lengths of the sub-paths of the relative pose error, metres, by commas; "
+                   "default: KITTI's, shorter where the path is short")
+      ->delimiter(',')
+      ->check(Above(0.0));
   command->add_option("--segments", arguments->segments,
                       "metrics.json of the run, whose segments are also evaluated each on its own; "
                       "default: the one beside ESTIMATE");

@@ -19,6 +19,8 @@ void AddEvaluation(const vo::Evaluation& evaluation, Json& json) {
   json["rpe_rotation_deg_per_m"] = FiniteOrNull(evaluation.rpe_rotation_deg_per_m);
   json["rpe_lengths_m"] = evaluation.rpe_lengths_m;
   json["rpe_frames_translation_m"] = FiniteOrNull(evaluation.rpe_frames_translation_m);
+  json["rpe_frames_translation_median_m"] =
+      FiniteOrNull(evaluation.rpe_frames_translation_median_m);
   json["rpe_frames_rotation_deg"] = FiniteOrNull(evaluation.rpe_frames_rotation_deg);
   json["motions"] = evaluation.pairs - 1;
   json["correct_motions"] = evaluation.correct_motions;

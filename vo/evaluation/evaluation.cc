@@ -6,8 +6,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/median.h"
 #include "pose_association.h"
 
 namespace gluevo::vo {
@@ -114,7 +117,8 @@ std::size_t CountCorrectMotions(const std::vector<PosePair>& pairs,
   return right;
 }
 
-void EvaluateRelative(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
+void EvaluateRelative(const std::vector<PosePair>& pairs, const EvaluationOptions& options,
+                      Evaluation& evaluation) {
   std::vector<double> travelled = {0.0};
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     travelled.push_back(travelled.back() + (pairs[i].groundtruth->world_from_body.translation -
@@ -124,7 +128,9 @@ void EvaluateRelative(const std::vector<PosePair>& pairs, Evaluation& evaluation
   double translation_sum = 0.0;
   double rotation_sum = 0.0;
   std::size_t count = 0;
-  for (const double length : SubPathLengths(travelled.back())) {
+  const std::vector<double> lengths =
+      options.rpe_lengths_m.empty() ? SubPathLengths(travelled.back()) : options.rpe_lengths_m;
+  for (const double length : lengths) {
     const std::size_t count_before = count;
     for (std::size_t start = 0; start < pairs.size(); ++start) {
       const auto end =
@@ -164,18 +170,21 @@ void EvaluateFrameSteps(const std::vector<PosePair>& pairs, const EvaluationOpti
   const std::size_t step = options.rpe_every_frame ? 1 : delta;
   double squared_translations = 0.0;
   double squared_angles = 0.0;
-  std::size_t count = 0;
+  std::vector<double> translations;
   for (std::size_t start = 0; start + delta < pairs.size(); start += step) {
     const Rigid3 error = MotionError(pairs[start], pairs[start + delta]);
     const double angle = AngleOf(error) * 180.0 / std::numbers::pi;
     squared_translations += error.translation.squaredNorm();
     squared_angles += angle * angle;
-    ++count;
+    translations.push_back(error.translation.norm());
   }
+  const auto count = static_cast<double>(translations.size());
   // 0 / 0 is NaN: fewer poses than the step.
-  evaluation.rpe_frames_translation_m =
-      std::sqrt(squared_translations / static_cast<double>(count));
-  evaluation.rpe_frames_rotation_deg = std::sqrt(squared_angles / static_cast<double>(count));
+  evaluation.rpe_frames_translation_m = std::sqrt(squared_translations / count);
+  evaluation.rpe_frames_rotation_deg = std::sqrt(squared_angles / count);
+  evaluation.rpe_frames_translation_median_m = translations.empty()
+                                                   ? std::numeric_limits<double>::quiet_NaN()
+                                                   : Median(std::move(translations));
 }
 
 double Seconds(int64_t from_ns, int64_t to_ns) {
@@ -212,6 +221,11 @@ void EvaluationOptions::Validate() const {
   }
   if (rpe_frames < 1) {
     throw Error("the relative pose error must be over 1 frame or more");
+  }
+  for (const double length : rpe_lengths_m) {
+    if (!(length > 0.0 && length <= kLongest)) {
+      throw Error("lengths of sub-paths of the relative pose error must be above 0, at most 1e6 m");
+    }
   }
 }
 
@@ -257,7 +271,7 @@ Evaluation Evaluate(const Trajectory& estimate, const Trajectory& groundtruth,
   EvaluateAbsolute(pairs, evaluation);
   EvaluateMotions(pairs, evaluation);
   evaluation.correct_motions = CountCorrectMotions(pairs, options);
-  EvaluateRelative(pairs, evaluation);
+  EvaluateRelative(pairs, options, evaluation);
   EvaluateFrameSteps(pairs, options, evaluation);
   evaluation.estimate_poses = estimate.size();
   evaluation.groundtruth_poses = groundtruth.size();

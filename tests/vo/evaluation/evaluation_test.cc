@@ -241,6 +241,33 @@ TEST(EvaluateSegmentsTest, RefusesNumbersThatDoNotFit) {
   EXPECT_THROW(EvaluateSegments(way, {0, 0, 1, 0, 1}, way, {}), Error);
 }
 
+TEST(EvaluateTest, TakesTheLengthsThatAreAskedFor) {
+  const Trajectory groundtruth = StraightWay(60);
+  Trajectory estimate = groundtruth;
+  for (StampedPose& pose : estimate) {
+    pose.world_from_body.translation *= 1.02;
+  }
+  const Evaluation evaluation =
+      Evaluate(estimate, groundtruth, {.rpe_lengths_m = {5.0, 20.0, 100.0}});
+  EXPECT_EQ(evaluation.rpe_lengths_m, (std::vector<double>{5.0, 20.0}));
+  // A sub-path ends at the first pose beyond its length: 6 and 21 m.
+  const double expected = 2.0 * (54.0 * 6.0 / 5.0 + 39.0 * 21.0 / 20.0) / (54.0 + 39.0);
+  EXPECT_NEAR(evaluation.rpe_translation_percent, expected, 1e-9);
+  for (const std::vector<double>& lengths :
+       {std::vector<double>{0.0}, std::vector<double>{5.0, -1.0}, std::vector<double>{1e7}}) {
+    EXPECT_THROW((void)Evaluate(estimate, groundtruth, {.rpe_lengths_m = lengths}), Error);
+  }
+}
+
+TEST(EvaluateTest, OneWrongMotionDoesNotTouchTheMedian) {
+  const Trajectory groundtruth = StraightWay(10);
+  Trajectory estimate = groundtruth;
+  estimate.back().world_from_body.translation.y() += 3.0;
+  const Evaluation evaluation = Evaluate(estimate, groundtruth, {});
+  EXPECT_NEAR(evaluation.rpe_frames_translation_m, 1.0, 1e-12);
+  EXPECT_NEAR(evaluation.rpe_frames_translation_median_m, 0.0, 1e-12);
+}
+
 TEST(EvaluateTest, SubPathsFitTheLengthOfTheWay) {
   const auto first_length = [](int poses, double metres_a_step) {
     Trajectory trajectory = StraightWay(poses);

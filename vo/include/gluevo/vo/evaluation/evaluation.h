@@ -20,6 +20,10 @@ struct EvaluationOptions {
   /// or, with rpe_every_frame, from every pose to the one so many later.
   int rpe_frames = 1;
   bool rpe_every_frame = false;
+  /// Lengths of the sub-paths of the relative pose error, metres; none: KITTI's, divided by 10
+  /// until the path holds five of them.
+  std::vector<double> rpe_lengths_m;
+  /// Throws Error that names the field.
   void Validate() const;
 };
 
@@ -75,14 +79,16 @@ struct Evaluation {
   /// the translation error in percent of the length and of the rotation error in degrees a metre.
   /// Every associated pose is a start (KITTI's own tool takes every tenth, too few for a short
   /// run); a sub-path ends at the first pose beyond its length along the ground truth.
-  /// The lengths are KITTI's, 100 to 800 m in steps of 100, divided by 10 until the path holds
-  /// at least five of them, at most three times: NaN where the ground truth moves less than 0.5 m.
+  /// The lengths are the options', or KITTI's, 100 to 800 m in steps of 100, divided by 10 until
+  /// the path holds at least five of them, at most three times. NaN where the path holds none.
   double rpe_translation_percent = 0.0;
   double rpe_rotation_deg_per_m = 0.0;
   std::vector<double> rpe_lengths_m;  ///< The lengths that have at least one sub-path.
   /// Relative pose error over the options' number of frames (Sturm et al. 2012): RMSE of the
-  /// motions' translation, metres, and rotation, degrees; NaN where there are fewer frames.
+  /// motions' translation, metres, and rotation, degrees, and the median of the translation, which
+  /// a few wrong motions do not touch; NaN where there are fewer frames.
   double rpe_frames_translation_m = 0.0;
+  double rpe_frames_translation_median_m = 0.0;
   double rpe_frames_rotation_deg = 0.0;
   /// Motions from one associated pose to the next that are correct within the options' bounds, of
   /// pairs - 1: what is left of it where frames are far apart and tracking breaks.
