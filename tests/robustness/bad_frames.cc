@@ -25,6 +25,7 @@ namespace {
 struct Arguments {
   std::filesystem::path dataset;
   std::vector<std::string> methods = {"klt", "superpoint", "superglue"};
+  std::string features = "superpoint";
   std::vector<std::string> cases;
   int frames = 60;
   int stride = 1;
@@ -58,10 +59,12 @@ struct Outcome {
   vo::Trajectory trajectory;
 };
 
-Outcome RunOver(const vo::Dataset& dataset, const std::string& method,
-                std::optional<double> max_predicted_s, const std::vector<vo::StereoFrame>& frames) {
-  vo::OdometryConfig config = vo::PresetConfig(vo::PresetOf(dataset.format), method);
-  config.odometry.max_predicted_s = max_predicted_s.value_or(config.odometry.max_predicted_s);
+Outcome RunOver(const vo::Dataset& dataset, const std::string& method, const Arguments& arguments,
+                const std::vector<vo::StereoFrame>& frames) {
+  vo::OdometryConfig config =
+      vo::PresetConfig(vo::PresetOf(dataset.format), method, arguments.features);
+  config.odometry.max_predicted_s =
+      arguments.max_predicted_s.value_or(config.odometry.max_predicted_s);
   vo::Odometry odometry(dataset.rig, config);
   Outcome outcome;
   for (const vo::StereoFrame& frame : frames) {
@@ -116,8 +119,7 @@ class Table {
 
   // False where a bar is missed.
   bool Row(const std::string& method, const Case& spoiled) {
-    const Outcome outcome =
-        RunOver(dataset_, method, arguments_.max_predicted_s, Spoil(frames_, spoiled));
+    const Outcome outcome = RunOver(dataset_, method, arguments_, Spoil(frames_, spoiled));
     const vo::Trajectory& groundtruth = *dataset_.groundtruth;
     const Errors errors = ErrorsOf(WithoutSpoiled(outcome.trajectory, spoiled), groundtruth);
     const Errors without = Without(method, spoiled);
@@ -152,8 +154,7 @@ class Table {
     if (known != without_.end()) {
       return known->second;
     }
-    const Outcome outcome =
-        RunOver(dataset_, method, arguments_.max_predicted_s, WithoutSpoiled(frames_, spoiled));
+    const Outcome outcome = RunOver(dataset_, method, arguments_, WithoutSpoiled(frames_, spoiled));
     return without_[key] = ErrorsOf(outcome.trajectory, *dataset_.groundtruth);
   }
 
@@ -216,6 +217,7 @@ int main(int argc, char** argv) {
   CLI::App app("Puts frames that show nothing into a sequence and tells what they do to the path");
   app.add_option("DATASET", arguments.dataset, "Data set with ground truth")->required();
   app.add_option("--methods", arguments.methods)->delimiter(',')->capture_default_str();
+  app.add_option("--features", arguments.features, "As for gluevo run")->capture_default_str();
   app.add_option("--faults", arguments.cases, "Default: all")->delimiter(',');
   app.add_option("--frames", arguments.frames)->capture_default_str();
   app.add_option("--stride", arguments.stride)->capture_default_str();
