@@ -101,13 +101,23 @@ class NonMaximumSuppression {
     });
   }
 
+  // The window decides; but scores are smooth, so that nearly all points that are no maxima have a
+  // higher one right beside them.
+  bool HasHigherNeighbour(int64_t i) const {
+    const int64_t x = i % width_;
+    const auto is_higher = [&](int64_t j) { return scores_[j] > scores_[i] && state_[j] == kOpen; };
+    return radius_ > 0 && ((x > 0 && is_higher(i - 1)) || (x + 1 < width_ && is_higher(i + 1)) ||
+                           (i >= width_ && is_higher(i - width_)) ||
+                           (i + width_ < scores_.size() && is_higher(i + width_)));
+  }
+
   void FindMaxima() {
     ForEachBand([&](int64_t band) {
       const int64_t begin = band * kBandRows * width_;
       int64_t count = 0;
       for (int64_t k = begin; k < begin + candidates_.counts[band]; ++k) {
         const int32_t i = candidates_.indices[k];
-        bool largest = state_[i] == kOpen;
+        bool largest = state_[i] == kOpen && !HasHigherNeighbour(i);
         if (largest) {
           ForWindow(i, [&](int64_t j) {
             largest = scores_[j] <= scores_[i] || state_[j] != kOpen;
@@ -169,10 +179,12 @@ void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& op
   const auto better = [&](int64_t i, int64_t j) {
     return scores[i] != scores[j] ? scores[i] > scores[j] : i < j;
   };
-  std::sort(keypoints.begin(), keypoints.end(), better);
-  if (keypoints.size() > static_cast<std::size_t>(options.max_keypoints)) {
-    keypoints.resize(static_cast<std::size_t>(options.max_keypoints));
-  }
+  const auto kept =
+      keypoints.begin() + static_cast<std::ptrdiff_t>(std::min(
+                              keypoints.size(), static_cast<std::size_t>(options.max_keypoints)));
+  std::nth_element(keypoints.begin(), kept, keypoints.end(), better);
+  std::sort(keypoints.begin(), kept, better);
+  keypoints.erase(kept, keypoints.end());
 }
 
 }  // namespace gluevo::nn

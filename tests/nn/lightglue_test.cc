@@ -281,9 +281,9 @@ class LightGlueOracle : public testing::TestWithParam<Isa> {
   void SetUp() override {
     const auto lightglue = OraclePath("lightglue");
     const auto aliked = OraclePath("aliked-n16");
-    const auto weights = PublishedWeightsPath("aliked_lightglue");
+    const auto weights = PublishedWeightsPath("lightglue-aliked");
     if (!lightglue || !aliked || !weights) {
-      GTEST_SKIP() << "needs oracle_open and aliked_lightglue.safetensors in the folder of "
+      GTEST_SKIP() << "needs oracle_open and lightglue-aliked.safetensors in the folder of "
                       "GLUEVO_PUBLISHED_WEIGHTS";
     }
     oracle_ = std::make_unique<OracleFile>(*lightglue);

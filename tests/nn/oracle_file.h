@@ -14,11 +14,11 @@
 #include "gluevo/nn/weights.h"
 #include "gluevo/nn/zip.h"
 
-// Outputs of the published networks in double precision, with their published weights converted by
-// gluevo-weights: neither is part of the project, and tests skip where one of them is not there.
-//   gluevo-weights convert aliked-n16.pth -o DIR/aliked-n16.safetensors
-//   gluevo-weights convert aliked_lightglue.pth -o DIR/aliked_lightglue.safetensors
-//   GLUEVO_PUBLISHED_WEIGHTS=DIR ctest --test-dir build/dev -R Oracle
+// Outputs of the published networks in double precision, with their published weights as
+// gluevo-weights has them: neither is part of the project, and tests skip where one of them is not
+// there.
+//   gluevo-weights get aliked-n16
+//   GLUEVO_PUBLISHED_WEIGHTS=~/.local/share/gluevo/weights ctest --test-dir build/dev -R Oracle
 namespace gluevo::nn {
 
 /// The file NAME.npz of sample outputs, or nothing.
