@@ -32,6 +32,7 @@ Json StereoCalibrationJson(const std::vector<vo::FrameResult>& frames) {
           {"right_image_off_sigma_px",
            {estimate->focal_px * estimate->turn_sigma.y(),
             estimate->focal_px * estimate->turn_sigma.x()}},
+          {"made_up_for", estimate->is_applied},
           {"moved", estimate->is_turned ? "camera" : "image"}};
 }
 
@@ -39,7 +40,7 @@ std::string TextOfStereoCalibration(const std::vector<vo::FrameResult>& frames) 
   constexpr double kLeastPx = 0.1;
   constexpr double kSigmas = 3.0;
   const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::stereo_calibration);
-  if (estimate == nullptr) {
+  if (estimate == nullptr || !estimate->is_applied) {
     return "";
   }
   const auto is_off = [&](int axis) {

@@ -78,9 +78,10 @@ void EachPartOfInertial(Estimate& estimate, const Bytes& bytes) {
 
 template <typename Estimate, typename Bytes>
 void EachPartOfCalibration(Estimate& estimate, const Bytes& bytes) {
-  auto& [turn, turn_sigma, is_turned, focal_px] = estimate;
+  auto& [turn, turn_sigma, is_applied, is_turned, focal_px] = estimate;
   EachPart(turn, bytes);
   EachPart(turn_sigma, bytes);
+  EachPart(is_applied, bytes);
   EachPart(is_turned, bytes);
   EachPart(focal_px, bytes);
 }

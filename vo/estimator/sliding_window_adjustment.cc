@@ -98,6 +98,10 @@ bool SlidingWindow::Optimize() {
     }
   }
   WindowProblem& problem = workspace_->problem;
+  if (!calibration_.is_off) {
+    problem.turn = Eigen::Vector3d::Zero();
+    problem.turn_sigma = 0.0;
+  }
   const WindowSolverLimits limits{.max_iterations = options_.max_iterations,
                                   .least_decrease = options_.least_decrease};
   const bool is_solved = options_.solver == "ceres" ? SolveByCeres(problem, limits)

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 
+#include "gluevo/vo/core/reference_focal.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "gluevo/vo/geometry/manifold.h"
 #include "sliding_window_workspace.h"
@@ -15,6 +16,22 @@ StereoRig SlidingWindow::rig() const {
   body_from_right =
       (body_from_right * ExpSo3(calibration_.correction.turn).conjugate()).normalized();
   return rig;
+}
+
+void SlidingWindow::LearnCalibration(double variance_scale) {
+  // By so much may matches to subpixels err all in one direction. Standard deviations are of noise
+  // and know nothing of that: on rendered images, whose calibration is exact, views ask for 0.01 px
+  // with a standard deviation of 0.002, which makes paths 0.1 % too long.
+  constexpr double kMatchingBias = FromReferencePx(0.015);
+  constexpr double kSigmas = 3.0;
+  // What is made up for stays so until it is surely too little to be told from none.
+  constexpr double kStays = 0.5;
+  const Eigen::Array3d variance = variance_scale * workspace_->equations.VarianceOfTurn().array();
+  calibration_.turn_sigma = variance.sqrt();
+  calibration_.turn = calibration_.correction.turn + workspace_->equations.StepOfTurn();
+  const Eigen::Array3d bound = (calibration_.is_off ? kStays : 1.0) * kSigmas *
+                               (variance + kMatchingBias * kMatchingBias).sqrt();
+  calibration_.is_off = (calibration_.turn.array().abs() > bound).any();
 }
 
 void SlidingWindow::WeighBend(const WindowSolverLimits& limits) {

@@ -32,7 +32,9 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
     return std::nullopt;
   }
   Workspace& workspace = *workspace_;
-  const WindowProblem& problem = workspace.problem;
+  WindowProblem& problem = workspace.problem;
+  // Made up for or not, the calibration is not known any better.
+  problem.turn_sigma = 1e-3 * options_.right_turn_sigma_mrad;
   workspace.state.Set(problem);
   workspace.equations.Set(problem);
   workspace.equations.Linearize(workspace.state);
@@ -46,7 +48,7 @@ std::optional<SlidingWindow::Motion> SlidingWindow::MotionSinceKeyframe() {
   const double scale = freedom > 0.0 ? 2.0 * workspace.equations.views_cost() / freedom : 1.0;
   views_noise_.Learn(scale, freedom);
   if (workspace.equations.columns().has_turn) {
-    calibration_.turn_sigma = std::sqrt(scale) * workspace.equations.VarianceOfTurn().cwiseSqrt();
+    LearnCalibration(scale);
   }
   if (has_inertia()) {
     inertial_covariance_ =

@@ -120,6 +120,13 @@ Eigen::Vector3d WindowEquations::VarianceOfTurn() {
   return {VarianceOfColumn(turn), VarianceOfColumn(turn + 1), VarianceOfColumn(turn + 2)};
 }
 
+Eigen::Vector3d WindowEquations::StepOfTurn() {
+  columns_ = step_;
+  reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);
+  reduced_.transpose().triangularView<Eigen::Upper>().solveInPlace(columns_);
+  return -columns_.block<3, 1>(system_.columns.Turn(), 0);
+}
+
 double WindowEquations::VarianceOfColumn(int column) {
   columns_.setZero(reduced_.rows(), 1);
   columns_(column, 0) = 1.0;

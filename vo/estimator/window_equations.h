@@ -47,6 +47,8 @@ class WindowEquations {
   double VarianceOfTimeOffset();
   /// ... and of the turn's three components, radians^2.
   Eigen::Vector3d VarianceOfTurn();
+  /// By how much the turn would move to where the equations want it, the rest with it; likewise.
+  Eigen::Vector3d StepOfTurn();
   /// By how much the linearised problem says that the cost falls with the step.
   double predicted_decrease() const { return predicted_decrease_; }
 
@@ -63,7 +65,7 @@ class WindowEquations {
   WindowMotions motions_;
   WindowSystem system_;
   Eigen::MatrixXd reduced_;  ///< After Covariance() its Cholesky factor.
-  Eigen::VectorXd step_;
+  Eigen::VectorXd step_;     ///< After Covariance() the equations' right side, points eliminated.
   Eigen::MatrixXd columns_;  ///< Of the inverse.
   double views_cost_ = 0.0;
   double predicted_decrease_ = 0.0;

@@ -10,6 +10,8 @@ struct StereoCalibrationEstimate {
   /// each by its value on the normalised plane, and turn.z() rotates it.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   Eigen::Vector3d turn_sigma = Eigen::Vector3d::Zero();  ///< One standard deviation each.
+  /// It is surely not zero, and made up for.
+  bool is_applied = false;
   /// The image is bent as that of a turned camera; else it is moved as a whole, and what bends it
   /// besides is left to lenses.
   bool is_turned = true;

@@ -184,6 +184,9 @@ class SlidingWindow {
   void AddInertiaToProblem();
   static bool IsAdjusted(const Landmark& landmark);
   void AddToProblem(const Landmark& landmark);
+  /// Asks the equations linearised last, those of the right camera among them, how it sees, and
+  /// decides whether that is to be made up for.
+  void LearnCalibration(double variance_scale);
   /// Asks the views of the problem that was solved whether the right camera is turned.
   void WeighBend(const WindowSolverLimits& limits);
   /// Takes over what came out of bundle adjustment.
