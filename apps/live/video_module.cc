@@ -1,6 +1,8 @@
 // The part of gluevo that needs OpenCV's videoio, in a module of its own that is loaded when a
 // camera is asked for.
 
+#include <dlfcn.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
@@ -25,6 +27,19 @@ std::string WithSink(const std::string& pipeline) {
              ? pipeline
              : pipeline +
                    " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink max-buffers=2 drop=true";
+}
+
+// What GStreamer says of a pipeline that ends before it has begun, in tens of lines, is of its
+// insides. Its library is there where OpenCV brings it.
+void QuietenGStreamer() {
+  using Handler = void (*)(const char*, int, const char*, void*);
+  void* const glib = dlopen("libglib-2.0.so.0", RTLD_LAZY | RTLD_NOLOAD);
+  void* const set_handler = glib != nullptr ? dlsym(glib, "g_log_set_default_handler") : nullptr;
+  if (set_handler != nullptr) {
+    // As POSIX has it.
+    reinterpret_cast<Handler (*)(Handler, void*)>(set_handler)(
+        [](const char*, int, const char*, void*) {}, nullptr);
+  }
 }
 
 bool OpenCapture(const std::string& source, cv::VideoCapture& capture) {
@@ -82,6 +97,7 @@ extern "C" __attribute__((visibility("default"))) gluevo::apps::VideoDevice* Glu
   try {
     // What is wrong is told by gluevo.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);
+    gluevo::apps::QuietenGStreamer();
     cv::VideoCapture capture;
     if (!gluevo::apps::OpenCapture(source, capture)) {
       return nullptr;

@@ -102,6 +102,18 @@ TEST_F(LiveTest, AMachineThatIsTooSlowDropsAndCounts) {
       << live.error;
 }
 
+TEST_F(LiveTest, NetworksRunBesideTracking) {
+  const Outcome live = Run("live " + Flight() + " --pace 0.5 --quiet -o " + Path("out"));
+  ASSERT_EQ(live.exit_code, 0) << live.error;
+  const Json metrics = Metrics();
+  EXPECT_EQ(metrics["options"]["superglue-lag"], "as soon as it is there");
+  const Json& networks = metrics["networks"];
+  EXPECT_GT(networks["runs"], 1);
+  EXPECT_GE(networks["lag_frames"]["median"], 1);
+  EXPECT_LT(networks["in_line"], networks["runs"]);
+  EXPECT_EQ(metrics["resets"], 0);
+}
+
 TEST_F(LiveTest, APipelineOfGStreamerIsACamera) {
   // Both cameras side by side, as one camera gives them.
   std::vector<fs::path> images;
