@@ -237,7 +237,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   const vo::OutputDirectory output(arguments.places.folder);
   CheckPlaces(arguments.places);
   vo::Odometry odometry = MakeOdometry(arguments, setup);
-  RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
+  RunRecords records{.strip = StripRecorder(/*frames=*/0),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt"),
                      .loops = std::move(setup.loops)};
   records.metrics.KeepOnDisk(arguments.places.folder);

@@ -42,9 +42,36 @@ void QuietenGStreamer() {
   }
 }
 
+// Asked of the same library: OpenCV would wait for the images of what is left of a pipeline with an
+// element that is not there.
+bool IsPipeline(const std::string& pipeline) {
+  void* const gstreamer = dlopen("libgstreamer-1.0.so.0", RTLD_LAZY | RTLD_NOLOAD);
+  if (gstreamer == nullptr) {
+    return true;  // OpenCV has to know.
+  }
+  using Init = void (*)(int*, char***);
+  using Parse = void* (*)(const char*, void*, int, void**);
+  using Unref = void (*)(void*);
+  // As POSIX has it.
+  const auto init = reinterpret_cast<Init>(dlsym(gstreamer, "gst_init"));
+  const auto parse = reinterpret_cast<Parse>(dlsym(gstreamer, "gst_parse_launch_full"));
+  const auto unref = reinterpret_cast<Unref>(dlsym(gstreamer, "gst_object_unref"));
+  if (init == nullptr || parse == nullptr || unref == nullptr) {
+    return true;
+  }
+  constexpr int kAllErrorsAreFatal = 1;
+  init(nullptr, nullptr);
+  void* const parsed = parse(pipeline.c_str(), nullptr, kAllErrorsAreFatal, nullptr);
+  if (parsed != nullptr) {
+    unref(parsed);
+  }
+  return parsed != nullptr;
+}
+
 bool OpenCapture(const std::string& source, cv::VideoCapture& capture) {
   if (source.find('!') != std::string::npos) {
-    return capture.open(WithSink(source), cv::CAP_GSTREAMER);
+    const std::string pipeline = WithSink(source);
+    return IsPipeline(pipeline) && capture.open(pipeline, cv::CAP_GSTREAMER);
   }
   // Seconds until a camera that gives no images is taken for gone.
   setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", /*overwrite=*/0);

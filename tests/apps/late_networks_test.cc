@@ -28,7 +28,7 @@ class LateNetworksTest : public CommandTest {
 
 TEST_F(LateNetworksTest, LatenessIsByTheScheduleWhateverTheThreads) {
   ASSERT_EQ(Run("simulate -o " + Path("flight") +
-                " --path hall_loop --duration 5 --rate 12 --width 376 --height 240")
+                " --path hall_loop --duration 3 --rate 20 --width 376 --height 240")
                 .exit_code,
             0);
   const Json in_line = MetricsOf(Fly("in_line", ""));
