@@ -47,9 +47,9 @@ class StripRecorder {
   bool IsChosen() const;
   void Thin();
 
-  std::size_t count_;      // of the run; 0: not known
-  std::size_t every_ = 1;  // one is kept where it is not
-  std::size_t index_ = 0;  // of the next frame
+  std::size_t count_;                // of the run; 0: not known
+  std::size_t every_ = 1;            // one is kept where it is not
+  std::size_t index_ = 0;            // of the next frame
   std::vector<std::size_t> resets_;  // the frames that are kept for one
   int segment_ = 0;
   std::unordered_map<int64_t, Eigen::Vector2f> last_left_;  // by track
