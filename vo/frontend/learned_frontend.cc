@@ -25,6 +25,7 @@ void LearnedFrontEndOptions::Validate() const {
   CheckAtLeast(recovery_keyframes, 0, "recovery_keyframes (--recovery-keyframes)");
   CheckAtLeast(network_every, 1, "network_every (--superglue-every)");
   CheckWithin(min_followed_share, 0.0, 1.0, "min_followed_share");
+  CheckWithin(min_share_to_go_on, 0.0, 1.0, "min_share_to_go_on");
   CheckAtLeast(network_lag, 0, "network_lag (--superglue-lag)");
 }
 

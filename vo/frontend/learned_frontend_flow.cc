@@ -74,7 +74,10 @@ bool LearnedFrontEnd::FollowTracks() {
     track.tracking_confidence = 1.0F;
     followed.push_back(track);
   }
-  const auto fewest = options_.min_followed_share * static_cast<double>(tracks_to_keep_);
+  const double least_share =
+      options_.network_lag > 0 ? std::min(options_.min_share_to_go_on, options_.min_followed_share)
+                               : options_.min_followed_share;
+  const auto fewest = least_share * static_cast<double>(tracks_to_keep_);
   if (static_cast<double>(followed.size()) < fewest) {
     now_.stages_ms["flow"] += watch.Lap();
     return false;

@@ -9,6 +9,13 @@
 // is carried on from there to where tracking is by then.
 namespace gluevo::vo {
 
+bool LearnedFrontEnd::NetworksAreDue() const {
+  const auto fewest = options_.min_followed_share * static_cast<double>(tracks_to_keep_);
+  const bool tracks_are_few =
+      options_.network_lag > 0 && static_cast<double>(now_.tracks.size()) < fewest;
+  return tracks_are_few || frames_since_networks_ >= options_.network_every;
+}
+
 void LearnedFrontEnd::SendToNetworks() {
   Sight sight{now_.frame, now_.pyramids, now_.previous_tracks, now_.previous_pyramid};
   for (cv::Mat& image : sight.frame.images) {

@@ -137,6 +137,24 @@ TEST(LearnedFrontEndLateTest, WhereFlowLosesTheTracksFramesWait) {
   EXPECT_GT(waited.observations[0].tracking_confidence, 0.0F);
 }
 
+TEST(LearnedFrontEndLateTest, WhereFlowKeepsHalfOfThemNetworksAreDueButFramesDoNotWait) {
+  const std::vector<testing::Point> all = {{1, 14, 14}, {2, 14, 34}, {3, 50, 14}, {4, 50, 34}};
+  const std::vector<testing::Point> half = {all[0], all[1]};
+  const auto frontend = LateFrontEnd({Named(all), Named({}), Named(half), Named({})},
+                                     LateOptions(/*every=*/100, /*lag=*/1));
+  StereoFrame frame = MovingFrame(0);
+  EXPECT_EQ(frontend->Track(frame).observations.size(), 4U);
+  frontend->Accept({});
+  ++frame.timestamp_ns;
+  frame.images[0].colRange(32, 64).setTo(90);
+  const TrackedFrame thin = frontend->Track(frame);
+  EXPECT_FALSE(thin.networks_age.has_value());
+  EXPECT_EQ(thin.observations.size(), 2U);
+  frontend->Accept({});
+  ++frame.timestamp_ns;
+  EXPECT_EQ(frontend->Track(frame).networks_age, 1);
+}
+
 TEST(LearnedFrontEndLateTest, AFrameThatIsPassedOverIsForgotten) {
   std::deque<nn::Features> script = TwoRuns(1);
   script.push_back(Named({{1, 32, 24}}));

@@ -61,6 +61,10 @@ struct LearnedFrontEndOptions {
   /// what they made of a frame is taken in so many frames later: optical flow carries it on from
   /// there. Frames wait as before where flow has lost the tracks, or the estimator finds no pose.
   int network_lag = 0;
+  /// With a lag: where flow keeps fewer tracks than min_followed_share networks are due at once,
+  /// but frames wait for them only below this share. Waiting where frames come far apart would make
+  /// the next one come later still.
+  double min_share_to_go_on = 0.5;
   /// With a lag: a result that is not there by then is waited for, so that results are the same
   /// each time. Else it is taken in with the first frame by which it is there, as cameras that do
   /// not wait need it.
@@ -158,7 +162,7 @@ class LearnedFrontEnd : public FrontEnd {
   void AddRightViews(Sight& sight) const;
 
   // Networks beside tracking.
-  bool NetworksAreDue() const { return frames_since_networks_ >= options_.network_every; }
+  bool NetworksAreDue() const;
   void SendToNetworks();
   void TakeInLate();  // Where it is due.
   void AwaitLate();   // Where there is anything.

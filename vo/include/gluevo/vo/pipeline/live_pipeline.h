@@ -18,7 +18,7 @@ struct LiveOptions {
   int queue_frames = 4;
   /// A frame that is older than this, seconds on the caller's clock, when its turn comes, or once
   /// its readings are there, is dropped where a newer one waits: so late no pose gets.
-  double max_age_s = 0.15;
+  double max_age_s = 0.1;
   /// Where an inertial unit is used a frame waits for its readings up to the frame's time, at most
   /// so long, seconds of real time; not at all where none has come for a second.
   double imu_wait_s = 0.05;
