@@ -40,6 +40,7 @@ LearnedFrontEndOptions LateOptions(int every, int lag) {
 
 std::unique_ptr<LearnedFrontEnd> LateFrontEnd(std::deque<nn::Features> script,
                                               const LearnedFrontEndOptions& options) {
+  script.insert(script.end(), 4, Named({}));  // Of runs that a test begins and does not see end.
   return std::make_unique<LearnedFrontEnd>(RectifiedRig(),
                                            std::make_unique<ScriptedExtractor>(std::move(script)),
                                            std::make_unique<NameMatcher>(), nullptr, options);
