@@ -20,6 +20,7 @@
 #include "live/camera_source.h"
 #include "live/dataset_source.h"
 #include "live/live_run.h"
+#include "options/frontend_options.h"
 #include "options/loop_options.h"
 #include "processors.h"
 #include "run_setup.h"
@@ -52,6 +53,7 @@ void AddLiveOptions(CLI::App& command, LiveArguments& arguments) {
       ->required()
       ->expected(1, 2);
   AddRunArguments(command, arguments);
+  DescribeLagByClock(command);
   command.add_option("--pace", arguments.pace, "Of a data set: so many of its seconds a second")
       ->check(Above(0.0))
       ->capture_default_str();
@@ -61,7 +63,10 @@ void AddLiveOptions(CLI::App& command, LiveArguments& arguments) {
                   "once without its inertial unit")
       ->check(Within(1, 1'000'000))
       ->capture_default_str();
-  command.add_option("--duration", arguments.duration_s, "End after so many seconds")
+  command
+      .add_option("--duration", arguments.duration_s,
+                  "End after so many seconds: of a data set its own, so that --pace shortens "
+                  "them")
       ->check(Above(0.0));
   command
       .add_option("--give-up", arguments.give_up_s,
@@ -73,6 +78,13 @@ void AddLiveOptions(CLI::App& command, LiveArguments& arguments) {
           "--queue", arguments.pipeline.queue_frames,
           "So many frames wait at most while one is tracked; for more the oldest is dropped")
       ->check(Within(1, 1000))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--max-age", arguments.pipeline.max_age_s,
+          "A frame that is older, seconds, when its turn comes is dropped where a newer one "
+          "waits")
+      ->check(Above(0.0))
       ->capture_default_str();
   command.add_option("--udp", arguments.udp,
                      "HOST:PORT to send each pose to, a line of TUM's form a datagram");
@@ -220,11 +232,12 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   PrintNotes(setup.dataset);
   setup.origins =
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  UseLagByClock(command, arguments.config.frontend.learned);
   SetUpFrontEnd(arguments, pool, setup);
   const vo::OutputDirectory output(arguments.places.folder);
   CheckPlaces(arguments.places);
   vo::Odometry odometry = MakeOdometry(arguments, setup);
-  RunRecords records{.strip = StripRecorder(setup.dataset.entries.size()),
+  RunRecords records{.strip = StripRecorder(/*frames=*/0),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt"),
                      .loops = std::move(setup.loops)};
   records.metrics.KeepOnDisk(arguments.places.folder);

@@ -7,10 +7,12 @@
 #include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <utility>
 
 #include "command_line/message.h"
 #include "evaluation_json.h"
 #include "evaluation_text.h"
+#include "frame_metrics.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
 #include "json_text.h"
@@ -42,20 +44,6 @@ double PeakMemoryMb() {
   return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
-// The numbers of the frames whose poses are to be taken with care.
-void AddMarkedFrames(const std::vector<vo::FrameResult>& frames, Json& json) {
-  for (const auto& [key, flag] : {std::pair{"frames_predicted", &vo::FrameResult::is_predicted},
-                                  std::pair{"frames_doubtful", &vo::FrameResult::is_doubtful},
-                                  std::pair{"frames_left_only", &vo::FrameResult::is_left_only}}) {
-    json[key] = Json::array();
-    for (std::size_t i = 0; i < frames.size(); ++i) {
-      if (frames[i].*flag) {
-        json[key].push_back(i);
-      }
-    }
-  }
-}
-
 // As its paper calls it.
 std::string NetworkTitle(const std::string& network) {
   return network == "superpoint"  ? "SuperPoint"
@@ -73,23 +61,6 @@ void AddOptions(const RunMetrics::Context& context, Json& json) {
   }
 }
 
-// Poses are linked within a segment only.
-Json SegmentsJson(const std::vector<vo::FrameResult>& frames) {
-  Json segments = Json::array();
-  for (std::size_t begin = 0; begin < frames.size();) {
-    std::size_t end = begin;
-    while (end < frames.size() && frames[end].segment == frames[begin].segment) {
-      ++end;
-    }
-    segments.push_back({{"first_frame", begin},
-                        {"last_frame", end - 1},
-                        {"start_s", static_cast<double>(frames[begin].timestamp_ns) * 1e-9},
-                        {"end_s", static_cast<double>(frames[end - 1].timestamp_ns) * 1e-9}});
-    begin = end;
-  }
-  return segments;
-}
-
 }  // namespace
 
 void RunMetrics::Start() { run_start_ = frame_end_ = Clock::now(); }
@@ -105,22 +76,20 @@ void RunMetrics::FrameIsLeftOut(std::size_t index, const std::string& why) {
 
 void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
   frame_end_ = Clock::now();
+  networks_.Add(result.tracked_frame);
   vo::FrameResult kept = result;
   // The record must stay small however long the sequence is.
   kept.tracked_frame = {};
   kept.window = {};
-  kept.stages_ms.clear();
-  if (!log_) {
-    frames_.push_back(std::move(kept));
-  } else {
+  if (log_) {
     log_->Append(kept);
     if (kept.inertial) {
       frames_ = {std::move(kept)};
     }
+    return;
   }
-  for (const auto& [stage, ms] : result.stages_ms) {
-    stages_ms_[stage].push_back(ms);
-  }
+  KeepStages(kept);
+  frames_.push_back(std::move(kept));
   if (read_ms_) {
     stages_ms_["read"].push_back(*read_ms_);
     stages_ms_["total"].push_back(*read_ms_ + Milliseconds(frame_end_ - frame_start_));
@@ -130,6 +99,15 @@ void RunMetrics::FrameIsDone(const vo::FrameResult& result) {
 void RunMetrics::LoadFrames() {
   frames_ = log_->Read();
   log_.reset();
+  for (vo::FrameResult& frame : frames_) {
+    KeepStages(frame);
+  }
+}
+
+void RunMetrics::KeepStages(vo::FrameResult& frame) {
+  for (const auto& [stage, ms] : std::exchange(frame.stages_ms, {})) {
+    stages_ms_[stage].push_back(ms);
+  }
 }
 
 int RunMetrics::Resets() const { return frames_.empty() ? 0 : frames_.back().segment; }
@@ -207,6 +185,7 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
   for (const auto& [stage, ms] : stages_ms_) {
     json["stages_ms"][stage] = {{"median", Quantile(ms, 0.5)}, {"p95", Quantile(ms, 0.95)}};
   }
+  networks_.AddTo(json);
   json["matches_per_frame"] = {{"found", MedianMatches(&vo::FrameResult::matched)},
                                {"tracked", MedianMatches(&vo::FrameResult::tracked)},
                                {"fit", MedianMatches(&vo::FrameResult::inliers)},

@@ -14,6 +14,7 @@
 #include "live/frame_log.h"
 #include "live/live_record.h"
 #include "loop_metrics.h"
+#include "network_record.h"
 #include "options/option_values.h"
 #include "options/preset_options.h"
 #include "report/run_report.h"
@@ -90,6 +91,8 @@ class RunMetrics {
     std::string why;
   };
 
+  /// Moves the times of its stages to those of all frames.
+  void KeepStages(vo::FrameResult& frame);
   int Resets() const;
   /// How the inertial unit started, or why it has not; empty without one.
   std::string InertialSentence(const Context& context) const;
@@ -104,6 +107,7 @@ class RunMetrics {
   std::vector<vo::FrameResult> frames_;  // Their poses and covariances too: a kilobyte a frame.
   std::optional<FrameLog> log_;          // Where they are instead.
   std::map<std::string, std::vector<double>> stages_ms_;
+  NetworkRecord networks_;
 };
 
 }  // namespace gluevo::apps

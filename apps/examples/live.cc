@@ -23,10 +23,13 @@ int main(int argc, char** argv) try {
   // A camera's own stamps are read from the clock that makes them.
   const auto now_ns = [&] { return first_ns + (SteadyClock::now() - begin).count(); };
 
-  const std::string preset = gluevo::vo::PresetOf(dataset.format);
+  gluevo::vo::OdometryConfig config = gluevo::vo::PresetConfig(gluevo::vo::PresetOf(dataset.format),
+                                                               argc > 2 ? argv[2] : "superglue");
+  // Networks run beside tracking: what they make of a frame comes in as soon as it is there.
+  config.frontend.learned.network_lag = 1;
+  config.frontend.learned.awaits_networks = false;
   gluevo::vo::LivePipeline pipeline(
-      gluevo::vo::Odometry(dataset.rig,
-                           gluevo::vo::PresetConfig(preset, argc > 2 ? argv[2] : "superglue")),
+      gluevo::vo::Odometry(dataset.rig, config),
       {.result =
            [](const gluevo::vo::LiveResult& live) {
              const Eigen::Vector3d& p = live.result.world_from_body.translation;

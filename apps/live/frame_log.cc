@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
 #include <string>
@@ -87,7 +88,7 @@ void EachPartOfCalibration(Estimate& estimate, const Bytes& bytes) {
 }
 
 // Does not compile where a member is missing here. What frames are without in the record is left
-// out: tracks, times, the window's other poses.
+// out: tracks, the window's other poses. Times of stages follow it.
 template <typename Frame, typename Bytes>
 void EachPartOfFrame(Frame& frame, const Bytes& bytes) {
   auto& [timestamp_ns, world_from_body, is_keyframe, segment, is_predicted, is_bridged, is_doubtful,
@@ -125,12 +126,36 @@ void EachPartOfFrame(Frame& frame, const Bytes& bytes) {
 FrameLog::FrameLog(const std::filesystem::path& folder)
     : folder_(folder), file_(OpenWithoutName(folder), std::fclose) {}
 
+void FrameLog::Write(const void* address, std::size_t size) {
+  if (std::fwrite(address, 1, size, file_.get()) != size) {
+    throw Error(folder_.string() + ": the record of the frames cannot be written: " + Reason());
+  }
+}
+
+void FrameLog::Load(void* address, std::size_t size) {
+  if (std::fread(address, 1, size, file_.get()) != size) {
+    throw Error(folder_.string() + ": the record of the frames cannot be read: " + Reason());
+  }
+}
+
+uint32_t FrameLog::NumberOf(const std::string& stage) {
+  const auto found = std::find(stages_.begin(), stages_.end(), stage);
+  const auto number = static_cast<uint32_t>(found - stages_.begin());
+  if (found == stages_.end()) {
+    stages_.push_back(stage);
+  }
+  return number;
+}
+
 void FrameLog::Append(const vo::FrameResult& frame) {
-  EachPartOfFrame(frame, [&](const void* address, std::size_t size) {
-    if (std::fwrite(address, 1, size, file_.get()) != size) {
-      throw Error(folder_.string() + ": the record of the frames cannot be written: " + Reason());
-    }
-  });
+  EachPartOfFrame(frame, [&](const void* address, std::size_t size) { Write(address, size); });
+  const auto count = static_cast<uint32_t>(frame.stages_ms.size());
+  Write(&count, sizeof(count));
+  for (const auto& [stage, ms] : frame.stages_ms) {
+    const uint32_t number = NumberOf(stage);
+    Write(&number, sizeof(number));
+    Write(&ms, sizeof(ms));
+  }
   ++frames_;
 }
 
@@ -138,11 +163,16 @@ std::vector<vo::FrameResult> FrameLog::Read() {
   std::vector<vo::FrameResult> frames(frames_);
   std::rewind(file_.get());
   for (vo::FrameResult& frame : frames) {
-    EachPartOfFrame(frame, [&](void* address, std::size_t size) {
-      if (std::fread(address, 1, size, file_.get()) != size) {
-        throw Error(folder_.string() + ": the record of the frames cannot be read: " + Reason());
-      }
-    });
+    EachPartOfFrame(frame, [&](void* address, std::size_t size) { Load(address, size); });
+    uint32_t count = 0;
+    Load(&count, sizeof(count));
+    for (uint32_t i = 0; i < count; ++i) {
+      uint32_t number = 0;
+      double ms = 0.0;
+      Load(&number, sizeof(number));
+      Load(&ms, sizeof(ms));
+      frame.stages_ms[stages_.at(number)] = ms;
+    }
   }
   std::fseek(file_.get(), 0, SEEK_END);
   return frames;

@@ -11,6 +11,7 @@ void AddLive(const LiveRecord& record, nlohmann::ordered_json& json) {
                         {"p95", statistics.latency_p95_ms},
                         {"max", statistics.latency_max_ms}};
   json["live"] = {{"frames_late", record.source.frames_late},
+                  {"frames_old", statistics.frames_dropped_old},
                   {"frames_refused", statistics.frames_refused},
                   {"frames_unpaired", record.source.frames_unpaired},
                   {"frames_paused", record.frames_paused},
@@ -18,6 +19,7 @@ void AddLive(const LiveRecord& record, nlohmann::ordered_json& json) {
                   {"stamps_back", statistics.stamps_back},
                   {"clock_steps", statistics.clock_steps},
                   {"readings_left_out", statistics.readings_left_out},
+                  {"readings_wait_ms", statistics.readings_wait_ms},
                   {"cameras_gone", record.source.cameras_gone}};
 }
 

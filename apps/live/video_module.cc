@@ -1,6 +1,8 @@
 // The part of gluevo that needs OpenCV's videoio, in a module of its own that is loaded when a
 // camera is asked for.
 
+#include <dlfcn.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
@@ -27,9 +29,49 @@ std::string WithSink(const std::string& pipeline) {
                    " ! videoconvert ! video/x-raw,format=GRAY8 ! appsink max-buffers=2 drop=true";
 }
 
+// What GStreamer says of a pipeline that ends before it has begun, in tens of lines, is of its
+// insides. Its library is there where OpenCV brings it.
+void QuietenGStreamer() {
+  using Handler = void (*)(const char*, int, const char*, void*);
+  void* const glib = dlopen("libglib-2.0.so.0", RTLD_LAZY | RTLD_NOLOAD);
+  void* const set_handler = glib != nullptr ? dlsym(glib, "g_log_set_default_handler") : nullptr;
+  if (set_handler != nullptr) {
+    // As POSIX has it.
+    reinterpret_cast<Handler (*)(Handler, void*)>(set_handler)(
+        [](const char*, int, const char*, void*) {}, nullptr);
+  }
+}
+
+// Asked of the same library: OpenCV would wait for the images of what is left of a pipeline with an
+// element that is not there.
+bool IsPipeline(const std::string& pipeline) {
+  void* const gstreamer = dlopen("libgstreamer-1.0.so.0", RTLD_LAZY | RTLD_NOLOAD);
+  if (gstreamer == nullptr) {
+    return true;  // OpenCV has to know.
+  }
+  using Init = void (*)(int*, char***);
+  using Parse = void* (*)(const char*, void*, int, void**);
+  using Unref = void (*)(void*);
+  // As POSIX has it.
+  const auto init = reinterpret_cast<Init>(dlsym(gstreamer, "gst_init"));
+  const auto parse = reinterpret_cast<Parse>(dlsym(gstreamer, "gst_parse_launch_full"));
+  const auto unref = reinterpret_cast<Unref>(dlsym(gstreamer, "gst_object_unref"));
+  if (init == nullptr || parse == nullptr || unref == nullptr) {
+    return true;
+  }
+  constexpr int kAllErrorsAreFatal = 1;
+  init(nullptr, nullptr);
+  void* const parsed = parse(pipeline.c_str(), nullptr, kAllErrorsAreFatal, nullptr);
+  if (parsed != nullptr) {
+    unref(parsed);
+  }
+  return parsed != nullptr;
+}
+
 bool OpenCapture(const std::string& source, cv::VideoCapture& capture) {
   if (source.find('!') != std::string::npos) {
-    return capture.open(WithSink(source), cv::CAP_GSTREAMER);
+    const std::string pipeline = WithSink(source);
+    return IsPipeline(pipeline) && capture.open(pipeline, cv::CAP_GSTREAMER);
   }
   // Seconds until a camera that gives no images is taken for gone.
   setenv("OPENCV_VIDEOIO_V4L_SELECT_TIMEOUT", "2", /*overwrite=*/0);
@@ -82,6 +124,7 @@ extern "C" __attribute__((visibility("default"))) gluevo::apps::VideoDevice* Glu
   try {
     // What is wrong is told by gluevo.
     cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_ERROR);
+    gluevo::apps::QuietenGStreamer();
     cv::VideoCapture capture;
     if (!gluevo::apps::OpenCapture(source, capture)) {
       return nullptr;

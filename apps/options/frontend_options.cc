@@ -5,6 +5,11 @@
 #include "option_group.h"
 
 namespace gluevo::apps {
+namespace {
+
+constexpr const char* kLag = "--superglue-lag";
+
+}  // namespace
 
 void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
   vo::FrontEndConfig& frontend = config.frontend;
@@ -57,7 +62,28 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
       .Add("--superglue-every", learned.network_every,
            "Run the networks on every so many-th frame at least, optical flow between")
       ->check(Within(1, 1000));
+  tuning
+      .Add(kLag, learned.network_lag,
+           "Run the networks beside tracking, and take in what they made of a frame so many frames "
+           "later; 0: frames wait for them")
+      ->check(Within(0, 1000));
   tuning.Add("--klt-corners", frontend.klt.max_corners, "Corners of the klt method");
+}
+
+void DescribeLagByClock(CLI::App& command) {
+  command.get_option(kLag)
+      ->description(
+          "Run the networks beside tracking, and take in what they made of a frame so many frames "
+          "later, waiting for it; 0: frames wait for them; default: as soon as it is there")
+      ->default_str("");
+}
+
+void UseLagByClock(CLI::App& command, vo::LearnedFrontEndOptions& options) {
+  if (command.count(kLag) == 0) {
+    options.network_lag = 1;
+    options.awaits_networks = false;
+    command.get_option(kLag)->default_str("as soon as it is there");
+  }
 }
 
 }  // namespace gluevo::apps

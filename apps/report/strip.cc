@@ -12,7 +12,7 @@ namespace gluevo::apps {
 namespace {
 
 constexpr std::size_t kSpread = 8;  // frames, evenly over the run
-constexpr int kMostResets = 4;
+constexpr std::size_t kMostResets = 4;
 
 // Small, because a report carries a score of them.
 std::vector<uint8_t> EncodeJpeg(const cv::Mat& image) {
@@ -28,6 +28,7 @@ std::vector<uint8_t> EncodeJpeg(const cv::Mat& image) {
   if (!cv::imencode(".jpg", small, bytes, {cv::IMWRITE_JPEG_QUALITY, kQuality})) {
     throw Error("an image of the report cannot be encoded as JPEG");
   }
+  bytes.shrink_to_fit();  // It is kept as long as the run.
   return bytes;
 }
 
@@ -35,12 +36,13 @@ std::vector<uint8_t> EncodeJpeg(const cv::Mat& image) {
 
 StripRecorder::StripRecorder(std::size_t frames) : count_(frames) {}
 
-// The middles of as many equal stretches of the run.
+// The middles of as many equal stretches of the run; where its end is not known every so many-th
+// frame.
 bool StripRecorder::IsChosen() const {
-  const std::size_t stretches = std::min(kSpread, count_);
-  if (stretches == 0) {
-    return false;
+  if (count_ == 0) {
+    return index_ % every_ == 0;
   }
+  const std::size_t stretches = std::min(kSpread, count_);
   const auto begin = [&](std::size_t stretch) {
     return (stretch * count_ + stretches - 1) / stretches;
   };
@@ -48,12 +50,25 @@ bool StripRecorder::IsChosen() const {
   return index_ == (begin(stretch) + begin(stretch + 1) - 1) / 2;
 }
 
+void StripRecorder::Thin() {
+  if (count_ > 0 || frames_.size() - resets_.size() < 2 * kSpread) {
+    return;
+  }
+  every_ *= 2;
+  std::erase_if(frames_, [&](const StripFrame& frame) {
+    return frame.index % every_ != 0 &&
+           std::find(resets_.begin(), resets_.end(), frame.index) == resets_.end();
+  });
+}
+
 void StripRecorder::Add(const vo::FrameResult& result,
                         const std::function<vo::StereoFrame()>& images) {
   const bool is_reset = result.segment != segment_;
   segment_ = result.segment;
-  const bool keeps_reset = is_reset && resets_ < kMostResets;
-  resets_ += keeps_reset ? 1 : 0;
+  const bool keeps_reset = is_reset && resets_.size() < kMostResets;
+  if (keeps_reset) {
+    resets_.push_back(index_);
+  }
   if (keeps_reset || IsChosen()) {
     const vo::StereoFrame frame = images();
     StripFrame kept;
@@ -76,6 +91,7 @@ void StripRecorder::Add(const vo::FrameResult& result,
       }
     }
     frames_.push_back(std::move(kept));
+    Thin();
   }
   last_left_.clear();
   for (const vo::Observation& observation : result.tracked_frame.observations) {

@@ -31,10 +31,11 @@ struct StripFrame {
   std::vector<PixelMotion> stereo;          ///< From the left image's place to the right image's.
 };
 
-/// Picks a few frames spread evenly over a run whose length is known, and the first few at which
-/// tracking was lost, and keeps these with their images; of all others it keeps nothing.
+/// Picks a few frames spread evenly over a run, and the first few at which tracking was lost, and
+/// keeps these with their images; of all others it keeps nothing.
 class StripRecorder {
  public:
+  /// `frames`: of the run; 0 where nobody knows how many there will be.
   explicit StripRecorder(std::size_t frames);
 
   /// To be called for every frame in turn.
@@ -44,10 +45,12 @@ class StripRecorder {
 
  private:
   bool IsChosen() const;
+  void Thin();
 
-  std::size_t count_;      // of the run
-  std::size_t index_ = 0;  // of the next frame
-  int resets_ = 0;
+  std::size_t count_;                // of the run; 0: not known
+  std::size_t every_ = 1;            // one is kept where it is not
+  std::size_t index_ = 0;            // of the next frame
+  std::vector<std::size_t> resets_;  // the frames that are kept for one
   int segment_ = 0;
   std::unordered_map<int64_t, Eigen::Vector2f> last_left_;  // by track
   std::vector<StripFrame> frames_;

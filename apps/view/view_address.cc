@@ -1,5 +1,7 @@
 #include "view_address.h"
 
+#include <unistd.h>
+
 #include <charconv>
 #include <random>
 
@@ -8,10 +10,17 @@
 namespace gluevo::apps {
 namespace {
 
-// Whether the text is a port; 0 is one.
-bool ParsePort(std::string_view text, uint16_t& port) {
-  const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), port);
-  return code == std::errc() && end == text.data() + text.size();
+bool IsNumber(std::string_view text) {
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
+// Of a number; 0 is a port, too.
+uint16_t ParsePort(std::string_view number, const std::string& view) {
+  uint16_t port = 0;
+  if (std::from_chars(number.data(), number.data() + number.size(), port).ec != std::errc()) {
+    throw Error("--view is " + Quoted(view) + "; expected a port up to 65535");
+  }
+  return port;
 }
 
 std::string_view WithoutPort(std::string_view host) {
@@ -39,20 +48,34 @@ bool IsSame(std::string_view a, std::string_view b) {
 
 }  // namespace
 
+std::string ViewAddress::NameForOthers() const {
+  char name[256] = {};
+  const bool is_all = host == "0.0.0.0" || host == "::";
+  if (is_all && gethostname(name, sizeof(name) - 1) == 0) {
+    return name;
+  }
+  return host.find(':') != std::string::npos ? "[" + host + "]" : host;
+}
+
 bool ViewAddress::is_loopback() const {
   return host == "localhost" || host == "::1" || host.starts_with("127.");
 }
 
 ViewAddress ParseViewAddress(const std::string& text) {
   ViewAddress address;
-  if (ParsePort(text, address.port)) {
+  if (IsNumber(text)) {
+    address.port = ParsePort(text, text);
     return address;
   }
   const std::string_view host = WithoutPort(text);
   const bool has_port = host.size() < text.size();
-  if (host.empty() ||
-      (has_port && !ParsePort(std::string_view(text).substr(host.size() + 1), address.port))) {
-    throw Error("--view is " + Quoted(text) + "; expected PORT, ADDRESS or ADDRESS:PORT");
+  const std::string_view port = std::string_view(text).substr(host.size() + (has_port ? 1 : 0));
+  if (host.empty() || (has_port && !IsNumber(port))) {
+    throw Error("--view is " + Quoted(text) +
+                "; expected PORT, ADDRESS or ADDRESS:PORT, as in 8080 or 0.0.0.0:8080");
+  }
+  if (has_port) {
+    address.port = ParsePort(port, text);
   }
   address.host = host.front() == '[' && host.back() == ']' ? host.substr(1, host.size() - 2) : host;
   return address;

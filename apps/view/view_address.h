@@ -13,6 +13,8 @@ struct ViewAddress {
   std::string token;     ///< Who has it not sees nothing; empty: none.
 
   bool is_loopback() const;
+  /// As an address on the web has it; where it stands for all of this machine's, its name.
+  std::string NameForOthers() const;
 };
 
 /// PORT, ADDRESS or ADDRESS:PORT ("[::1]:8080" for IPv6). Throws Error for anything else.

@@ -205,9 +205,7 @@ class ViewServer::Server {
   Server& operator=(const Server&) = delete;
 
   std::string url() const {
-    const bool is_v6 = address_.host.find(':') != std::string::npos;
-    return "http://" + (is_v6 ? "[" + address_.host + "]" : address_.host) + ":" +
-           std::to_string(address_.port) + "/" +
+    return "http://" + address_.NameForOthers() + ":" + std::to_string(address_.port) + "/" +
            (address_.token.empty() ? "" : "?token=" + address_.token);
   }
   int viewers() const { return shared_.viewers; }

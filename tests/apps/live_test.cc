@@ -92,7 +92,10 @@ TEST_F(LiveTest, ASignalEndsItWithAllFiles) {
 }
 
 TEST_F(LiveTest, AMachineThatIsTooSlowDropsAndCounts) {
-  const Outcome live = Run("live " + Flight() + " --pace 20 --threads 1 --quiet -o " + Path("out"));
+  const Outcome live = Run("live " + Flight() +
+                           " --pace 10 --threads 1 --superglue-lag 0 --superglue-every 1 "
+                           "--max-age 1000 --quiet -o " +
+                           Path("out"));
   ASSERT_EQ(live.exit_code, 0) << live.error;
   EXPECT_EQ(live.out, "");
   const Json metrics = Metrics();
@@ -100,6 +103,18 @@ TEST_F(LiveTest, AMachineThatIsTooSlowDropsAndCounts) {
   EXPECT_EQ(metrics["frames"].get<int>() + metrics["frames_dropped"].get<int>(), 30);
   EXPECT_NE(live.error.find(" frames dropped: this machine is too slow"), std::string::npos)
       << live.error;
+}
+
+TEST_F(LiveTest, NetworksRunBesideTracking) {
+  const Outcome live = Run("live " + Flight() + " --pace 0.5 --quiet -o " + Path("out"));
+  ASSERT_EQ(live.exit_code, 0) << live.error;
+  const Json metrics = Metrics();
+  EXPECT_EQ(metrics["options"]["superglue-lag"], "as soon as it is there");
+  const Json& networks = metrics["networks"];
+  EXPECT_GT(networks["runs"], 1);
+  EXPECT_GE(networks["lag_frames"]["median"], 1);
+  EXPECT_LT(networks["in_line"], networks["runs"]);
+  EXPECT_EQ(metrics["resets"], 0);
 }
 
 TEST_F(LiveTest, APipelineOfGStreamerIsACamera) {
@@ -147,6 +162,12 @@ TEST_F(LiveTest, WhatCannotBeIsOneLine) {
   const std::string calibration = Write("camchain.yaml", Camchain(320, 240));
   ExpectRefused("/dev/video99 --calibration " + calibration,
                 "/dev/video99: cannot be opened as a camera; expected a device of V4L2");
+  const Outcome broken =
+      Run("live 'videotestsrc is-live=true ! video/x-raw,width=320,height=240' 'nosuchthing ! foo' "
+          "--calibration " +
+          calibration + " -o " + Path("out"));
+  EXPECT_EQ(broken.exit_code, 1);
+  EXPECT_EQ(Lines(broken.error), 1) << broken.error;
   ExpectRefused("/dev/video99", "expected --calibration");
   ExpectRefused(Path("absent"), "absent: no such");
   ExpectRefused(Flight() + " " + Flight(), "two sources are left and right camera");

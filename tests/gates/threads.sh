@@ -12,5 +12,5 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'vo_pipeline_(live_pipeline|odometry_announce)_test' \
   'vo_pipeline_end_to_end_test:*StandingStill*' \
   'apps_view_view_server_test' \
-  'apps_live_test:*OwnPace*:*Signal*' \
+  'apps_live_test:*OwnPace*:*Signal*:*Beside*' \
   'vo_simulation_.*'

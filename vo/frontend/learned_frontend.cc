@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <numeric>
-#include <unordered_set>
 #include <utility>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/options_check.h"
-#include "gluevo/vo/core/stopwatch.h"
-#include "keypoint_pixel.h"
 
 namespace gluevo::vo {
 void LearnedFrontEndOptions::Validate() const {
@@ -28,6 +25,8 @@ void LearnedFrontEndOptions::Validate() const {
   CheckAtLeast(recovery_keyframes, 0, "recovery_keyframes (--recovery-keyframes)");
   CheckAtLeast(network_every, 1, "network_every (--superglue-every)");
   CheckWithin(min_followed_share, 0.0, 1.0, "min_followed_share");
+  CheckWithin(min_share_to_go_on, 0.0, 1.0, "min_share_to_go_on");
+  CheckAtLeast(network_lag, 0, "network_lag (--superglue-lag)");
 }
 
 LearnedFrontEnd::LearnedFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureExtractor> extractor,
@@ -46,17 +45,29 @@ LearnedFrontEnd::LearnedFrontEnd(const StereoRig& rig, std::unique_ptr<FeatureEx
 TrackedFrame LearnedFrontEnd::Track(const StereoFrame& frame) {
   CheckImages(frame, rig_);
   Advance();
-  frame_ = frame;
+  now_.frame = frame;
   MakePyramids();
-  if (!FollowTracks()) {
+  TakeInLate();
+  bool is_followed = FollowTracks();
+  if (!is_followed && late_) {
+    AwaitLate();
+    is_followed = FollowTracks();
+  }
+  if (!is_followed) {
     RunNetworks();
+  } else if (NetworksAreDue() && !late_) {
+    SendToNetworks();
   }
   return Observe();
 }
 
 std::optional<TrackedFrame> LearnedFrontEnd::Retry() {
-  if (view_ == nullptr) {
-    RunNetworks();
+  if (now_.view == nullptr) {
+    const bool is_at_work_on_it = late_ && late_->age == 0;
+    AwaitLate();
+    if (!is_at_work_on_it) {
+      RunNetworks();
+    }
     return Observe();
   }
   if (!ways_) {
@@ -67,9 +78,9 @@ std::optional<TrackedFrame> LearnedFrontEnd::Retry() {
   }
   const Way way = ways_->front();
   ways_->pop_front();
-  MatchFrom(way);
-  StartTracks();
-  AddRightViews();
+  MatchFrom(way, now_);
+  StartTracks(now_);
+  AddRightViews(now_);
   return Observe();
 }
 
@@ -79,72 +90,61 @@ void LearnedFrontEnd::Advance() {
   if (outcome_.starts_segment) {
     keyframes_.clear();
   }
+  if (late_ && (outcome_.starts_segment || (outcome_.is_passed_over && late_->age == 0))) {
+    DiscardLate();
+  }
   if (outcome_.is_passed_over) {
-    frames_since_networks_ = options_.network_every;
+    needs_networks_ = true;
   } else {
     KeepFrame();
   }
   if (std::exchange(frames_are_missing_, false)) {
-    frames_since_networks_ = options_.network_every;
+    needs_networks_ = true;
   }
-  view_.reset();
-  tracks_.clear();
+  if (late_) {
+    ++late_->age;
+  }
+  now_.view.reset();
+  now_.tracks.clear();
+  now_.stages_ms.clear();
   ways_.reset();
   outcome_ = {};
-  stages_ms_.clear();
+  networks_age_.reset();
 }
 
 void LearnedFrontEnd::KeepFrame() {
-  previous_tracks_.clear();
-  for (const TrackedPoint& track : tracks_) {
-    previous_tracks_[track.id] = track;
+  now_.previous_tracks.clear();
+  for (const TrackedPoint& track : now_.tracks) {
+    now_.previous_tracks[track.id] = track;
   }
-  previous_pyramid_ = std::move(pyramids_[0]);
+  now_.previous_pyramid = std::move(now_.pyramids[0]);
   ++frames_since_networks_;
-  if (view_ != nullptr) {
-    view_->tracks = std::move(tracks_);
-    view_->pyramid = previous_pyramid_;
-    if (outcome_.is_keyframe && options_.recovery_keyframes > 0) {
-      keyframes_.push_front(view_);
-      keyframes_.resize(
-          std::min(keyframes_.size(), static_cast<std::size_t>(options_.recovery_keyframes)));
-    }
-    reference_ = std::move(view_);
-    frames_since_networks_ = 1;
+  if (late_ && late_->age == 0) {
+    late_->is_keyframe = outcome_.is_keyframe;
   }
+  if (now_.view != nullptr) {
+    tracks_to_keep_ = now_.tracks.size();
+    now_.view->tracks = std::move(now_.tracks);
+    now_.view->pyramid = now_.previous_pyramid;
+    Remember(std::move(now_.view), outcome_.is_keyframe);
+    frames_since_networks_ = 1;
+    needs_networks_ = false;
+  }
+}
+
+void LearnedFrontEnd::Remember(std::shared_ptr<const KeypointView> view, bool is_keyframe) {
+  if (is_keyframe && options_.recovery_keyframes > 0) {
+    keyframes_.push_front(view);
+    keyframes_.resize(
+        std::min(keyframes_.size(), static_cast<std::size_t>(options_.recovery_keyframes)));
+  }
+  reference_ = std::move(view);
 }
 
 void LearnedFrontEnd::RunNetworks() {
-  Stopwatch watch;
-  view_ = std::make_shared<KeypointView>();
-  view_->features = Extract(frame_.images[0], rig_.cameras[0]);
-  right_features_ = Extract(frame_.images[1], rig_.cameras[1]);
-  stages_ms_[extractor_->Name()] = watch.Lap();
-  stereo_ = matcher_->Match(view_->features, right_features_, options_.stereo_threshold);
-  stages_ms_["match_stereo"] = watch.Lap();
-  MatchFrom({reference_, matcher_.get(), options_.tracking_threshold});
-  if (options_.rematch_keyframe) {
-    RematchKeyframe();
-  }
-  StartTracks();
-  AddRightViews();
-}
-
-nn::Features LearnedFrontEnd::Extract(const cv::Mat& image, const Camera& camera) {
-  nn::Features features = extractor_->Extract(image);
-  // Pixels beyond the camera model have no ray: nothing can be made of what is seen there.
-  std::vector<int> kept;
-  for (int i = 0; i < features.size(); ++i) {
-    if (camera.Undistort(ToEigen(PixelOf(features, i))).allFinite()) {
-      kept.push_back(i);
-    }
-  }
-  if (static_cast<int>(kept.size()) < features.size()) {
-    features.keypoints = features.keypoints(kept, Eigen::all).eval();
-    features.scores = features.scores(kept).eval();
-    features.descriptors = features.descriptors(kept, Eigen::all).eval();
-  }
-  return features;
+  RunNetworksOn(reference_, KeyframeToRematch(), now_);
+  StartTracks(now_);
+  networks_age_ = 0;
 }
 
 void LearnedFrontEnd::FindWays() {
@@ -163,73 +163,6 @@ void LearnedFrontEnd::FindWays() {
   }
 }
 
-void LearnedFrontEnd::MatchFrom(const Way& way) {
-  Stopwatch watch;
-  const int count = view_->features.size();
-  tracks_.assign(static_cast<std::size_t>(count), {});
-  for (int i = 0; i < count; ++i) {
-    tracks_[i].left = PixelOf(view_->features, i);
-  }
-  if (way.from != nullptr) {
-    const nn::Matches matches =
-        way.matcher->Match(way.from->features, view_->features, way.threshold);
-    stages_ms_["match_track"] += watch.Lap();
-    CarryOn(*way.from, matches);
-    stages_ms_["refine"] += watch.Lap();
-  }
-}
-
-void LearnedFrontEnd::StartTracks() {
-  for (TrackedPoint& track : tracks_) {
-    track.id = track.id < 0 ? next_track_id_++ : track.id;
-  }
-}
-
-void LearnedFrontEnd::CarryOn(const KeypointView& from, const nn::Matches& matches) {
-  std::unordered_set<int64_t> taken;
-  for (const TrackedPoint& track : tracks_) {
-    if (track.id >= 0) {
-      taken.insert(track.id);
-    }
-  }
-  std::vector<Match> carried;
-  for (std::size_t i = 0; i < matches.matches0.size(); ++i) {
-    const int match = matches.matches0[i];
-    if (match < 0 || tracks_[match].id >= 0 || !taken.insert(from.tracks[i].id).second) {
-      continue;
-    }
-    const auto before = previous_tracks_.find(from.tracks[i].id);
-    const TrackedPoint& old = before != previous_tracks_.end() ? before->second : from.tracks[i];
-    TrackedPoint& track = tracks_[match];
-    track.id = old.id;
-    track.length = old.length + 1;
-    track.tracking_confidence = matches.scores0[i];
-    carried.push_back({static_cast<int>(i), match});
-  }
-  if (options_.refine) {
-    RefineLeft(from, carried);
-  }
-  for (const Match& match : carried) {
-    const auto before = previous_tracks_.find(from.tracks[match.from].id);
-    if (before != previous_tracks_.end()) {
-      tracks_[match.to].motion = tracks_[match.to].left - before->second.left;
-    }
-  }
-}
-
-void LearnedFrontEnd::RematchKeyframe() {
-  if (keyframes_.empty() || keyframes_.front() == reference_) {
-    return;
-  }
-  Stopwatch watch;
-  const KeypointView& keyframe = *keyframes_.front();
-  const nn::Matches matches =
-      matcher_->Match(keyframe.features, view_->features, options_.tracking_threshold);
-  stages_ms_["match_track"] += watch.Lap();
-  CarryOn(keyframe, matches);
-  stages_ms_["refine"] += watch.Lap();
-}
-
 bool LearnedFrontEnd::SeeTheSame(const cv::Point2f& left, const cv::Point2f& right) const {
   const Eigen::Vector2d in_left = rig_.cameras[0].Undistort(ToEigen(left));
   const Eigen::Vector2d in_right = rig_.cameras[1].Undistort(ToEigen(right));
@@ -237,15 +170,16 @@ bool LearnedFrontEnd::SeeTheSame(const cv::Point2f& left, const cv::Point2f& rig
 }
 
 TrackedFrame LearnedFrontEnd::Observe() const {
-  std::vector<int> order(tracks_.size());
+  const std::vector<TrackedPoint>& tracks = now_.tracks;
+  std::vector<int> order(tracks.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
-                   [&](int i, int j) { return tracks_[i].length > tracks_[j].length; });
+                   [&](int i, int j) { return tracks[i].length > tracks[j].length; });
 
-  TrackedFrame frame{frame_.timestamp_ns, {}, stages_ms_};
+  TrackedFrame frame{now_.frame.timestamp_ns, {}, now_.stages_ms, networks_age_};
   const double min_squared_distance = options_.min_distance_px * options_.min_distance_px;
   for (const int i : order) {
-    const TrackedPoint& track = tracks_[i];
+    const TrackedPoint& track = tracks[i];
     Observation observation;
     observation.left_pixel = ToEigen(track.left);
     observation.left = rig_.cameras[0].Undistort(observation.left_pixel);

@@ -18,7 +18,7 @@ bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
 }  // namespace
 
 void LearnedFrontEnd::MakePyramids() {
-  const bool follows = options_.network_every > 1;
+  const bool follows = options_.network_every > 1 || options_.network_lag > 0;
   if (!options_.refine && !follows) {
     return;
   }
@@ -27,18 +27,18 @@ void LearnedFrontEnd::MakePyramids() {
   const int levels = follows ? std::max(options_.refinement.levels, options_.following.levels)
                              : options_.refinement.levels;
   for (int i = 0; i < 2; ++i) {
-    pyramids_[i] = MakePyramid(frame_.images[i], window, levels);
+    now_.pyramids[i] = MakePyramid(now_.frame.images[i], window, levels);
   }
-  stages_ms_["flow"] = watch.Lap();
+  now_.stages_ms["flow"] = watch.Lap();
 }
 
 bool LearnedFrontEnd::FollowTracks() {
-  if (reference_ == nullptr || frames_since_networks_ >= options_.network_every) {
+  if (reference_ == nullptr || needs_networks_ || (options_.network_lag == 0 && NetworksAreDue())) {
     return false;
   }
   Stopwatch watch;
   std::vector<TrackedPoint> tracks;
-  for (const auto& [id, track] : previous_tracks_) {
+  for (const auto& [id, track] : now_.previous_tracks) {
     tracks.push_back(track);
   }
   // In an order of their own, not the map's.
@@ -51,8 +51,8 @@ bool LearnedFrontEnd::FollowTracks() {
     guesses.push_back(track.left + track.motion);
   }
   const Flow flow = FollowFinely(
-      previous_pyramid_, pyramids_[0], pixels,
-      FollowBothWays(previous_pyramid_, pyramids_[0], pixels, guesses, options_.following),
+      now_.previous_pyramid, now_.pyramids[0], pixels,
+      FollowBothWays(now_.previous_pyramid, now_.pyramids[0], pixels, guesses, options_.following),
       options_.refinement, options_.max_refinement_px);
   std::vector<TrackedPoint> followed;
   pixels.clear();
@@ -74,13 +74,16 @@ bool LearnedFrontEnd::FollowTracks() {
     track.tracking_confidence = 1.0F;
     followed.push_back(track);
   }
-  const auto fewest = options_.min_followed_share * static_cast<double>(reference_->tracks.size());
+  const double least_share =
+      options_.network_lag > 0 ? std::min(options_.min_share_to_go_on, options_.min_followed_share)
+                               : options_.min_followed_share;
+  const auto fewest = least_share * static_cast<double>(tracks_to_keep_);
   if (static_cast<double>(followed.size()) < fewest) {
-    stages_ms_["flow"] += watch.Lap();
+    now_.stages_ms["flow"] += watch.Lap();
     return false;
   }
   const Flow across =
-      FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
+      FollowBothWays(now_.pyramids[0], now_.pyramids[1], pixels, guesses, options_.refinement);
   for (std::size_t i = 0; i < stereo.size(); ++i) {
     TrackedPoint& track = followed[stereo[i]];
     if (across.found[i] != 0 && SeeTheSame(track.left, across.pixels[i])) {
@@ -88,35 +91,36 @@ bool LearnedFrontEnd::FollowTracks() {
       track.right = across.pixels[i];
     }
   }
-  tracks_ = std::move(followed);
-  stages_ms_["flow"] += watch.Lap();
+  now_.tracks = std::move(followed);
+  now_.stages_ms["flow"] += watch.Lap();
   return true;
 }
 
-void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Match>& carried) {
+void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Match>& carried,
+                                 Sight& sight) const {
   struct Batch {
     const Pyramid* pyramid;
     std::vector<cv::Point2f> pixels, guesses;
     std::vector<int> keypoints;
   };
   // From the frame before where it has the track, else from where the networks saw it.
-  Batch batches[] = {{&previous_pyramid_, {}, {}, {}}, {&from.pyramid, {}, {}, {}}};
+  Batch batches[] = {{&sight.previous_pyramid, {}, {}, {}}, {&from.pyramid, {}, {}, {}}};
   for (const Match& match : carried) {
     const TrackedPoint& old = from.tracks[match.from];
-    const auto before = previous_tracks_.find(old.id);
-    const bool is_there = before != previous_tracks_.end();
+    const auto before = sight.previous_tracks.find(old.id);
+    const bool is_there = before != sight.previous_tracks.end();
     Batch& batch = batches[is_there ? 0 : 1];
     batch.pixels.push_back(is_there ? before->second.left : old.left);
-    batch.guesses.push_back(tracks_[match.to].left +
+    batch.guesses.push_back(sight.tracks[match.to].left +
                             (old.left - PixelOf(from.features, match.from)));
     batch.keypoints.push_back(match.to);
   }
   std::vector<int> refused;
   for (const Batch& batch : batches) {
-    const Flow flow = FollowBothWays(*batch.pyramid, pyramids_[0], batch.pixels, batch.guesses,
+    const Flow flow = FollowBothWays(*batch.pyramid, sight.pyramids[0], batch.pixels, batch.guesses,
                                      options_.refinement);
     for (std::size_t i = 0; i < batch.keypoints.size(); ++i) {
-      TrackedPoint& track = tracks_[batch.keypoints[i]];
+      TrackedPoint& track = sight.tracks[batch.keypoints[i]];
       if (flow.found[i] != 0 &&
           IsWithin(flow.pixels[i], batch.guesses[i], options_.max_refinement_px)) {
         track.left = flow.pixels[i];
@@ -127,7 +131,7 @@ void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Mat
   }
   if (FlowJudges(refused.size(), carried.size())) {
     for (const int keypoint : refused) {
-      tracks_[keypoint] = {.left = tracks_[keypoint].left};
+      sight.tracks[keypoint] = {.left = sight.tracks[keypoint].left};
     }
   }
 }
@@ -137,31 +141,32 @@ bool LearnedFrontEnd::FlowJudges(std::size_t refused, std::size_t matches) const
          options_.min_confirmed_share * static_cast<double>(matches);
 }
 
-void LearnedFrontEnd::AddRightViews() {
+void LearnedFrontEnd::AddRightViews(Sight& sight) const {
   Stopwatch watch;
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
   std::vector<int> keypoints;
-  for (int i = 0; i < view_->features.size(); ++i) {
-    const int match = stereo_.matches0[i];
-    if (match < 0 || !SeeTheSame(PixelOf(view_->features, i), PixelOf(right_features_, match))) {
+  for (int i = 0; i < sight.view->features.size(); ++i) {
+    const int match = sight.stereo.matches0[i];
+    if (match < 0 ||
+        !SeeTheSame(PixelOf(sight.view->features, i), PixelOf(sight.right_features, match))) {
       continue;
     }
-    TrackedPoint& track = tracks_[i];
+    TrackedPoint& track = sight.tracks[i];
     track.has_right = true;
-    track.stereo_confidence = stereo_.scores0[i];
-    track.right = PixelOf(right_features_, match);
+    track.stereo_confidence = sight.stereo.scores0[i];
+    track.right = PixelOf(sight.right_features, match);
     if (options_.refine) {
       pixels.push_back(track.left);
-      guesses.push_back(track.right + (track.left - PixelOf(view_->features, i)));
+      guesses.push_back(track.right + (track.left - PixelOf(sight.view->features, i)));
       keypoints.push_back(i);
     }
   }
   const Flow flow =
-      FollowBothWays(pyramids_[0], pyramids_[1], pixels, guesses, options_.refinement);
+      FollowBothWays(sight.pyramids[0], sight.pyramids[1], pixels, guesses, options_.refinement);
   std::vector<int> refused;
   for (std::size_t i = 0; i < keypoints.size(); ++i) {
-    TrackedPoint& track = tracks_[keypoints[i]];
+    TrackedPoint& track = sight.tracks[keypoints[i]];
     if (flow.found[i] != 0 && IsWithin(flow.pixels[i], guesses[i], options_.max_refinement_px) &&
         SeeTheSame(track.left, flow.pixels[i])) {
       track.right = flow.pixels[i];
@@ -171,11 +176,11 @@ void LearnedFrontEnd::AddRightViews() {
   }
   if (FlowJudges(refused.size(), keypoints.size())) {
     for (const int keypoint : refused) {
-      tracks_[keypoint].has_right = false;
-      tracks_[keypoint].stereo_confidence = 0.0F;
+      sight.tracks[keypoint].has_right = false;
+      sight.tracks[keypoint].stereo_confidence = 0.0F;
     }
   }
-  stages_ms_["refine"] += watch.Lap();
+  sight.stages_ms["refine"] += watch.Lap();
 }
 
 }  // namespace gluevo::vo

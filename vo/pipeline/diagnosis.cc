@@ -212,14 +212,15 @@ Diagnosis::Diagnosis(const StereoRig& rig, bool uses_networks) : rig_(rig) {
 
 void Diagnosis::Add(const StereoFrame& frame, const FrameResult& result) {
   const bool is_first = evidence_.frames++ == 0;
-  if (!is_first) {
+  constexpr std::size_t kMostSteps = 10'000;  // Tell as much as those of hours.
+  if (!is_first && evidence_.steps_s.size() < kMostSteps) {
     evidence_.steps_s.push_back(static_cast<double>(result.timestamp_ns - last_timestamp_ns_) *
                                 1e-9);
   }
   last_timestamp_ns_ = result.timestamp_ns;
-  matched_.push_back(result.matched);
-  inliers_.push_back(result.inliers);
-  stereo_.push_back(result.stereo);
+  matched_.Add(result.matched);
+  inliers_.Add(result.inliers);
+  stereo_.Add(result.stereo);
   if (result.refused_speed_m_per_s > 0.0) {
     evidence_.refused_speeds.push_back(result.refused_speed_m_per_s);
   }
@@ -236,9 +237,9 @@ void Diagnosis::Add(const StereoFrame& frame, const FrameResult& result) {
 
 RunEvidence Diagnosis::evidence() const {
   RunEvidence evidence = evidence_;
-  evidence.matched = Median(matched_);
-  evidence.inliers = Median(inliers_);
-  evidence.stereo = Median(stereo_);
+  evidence.matched = matched_.Median();
+  evidence.inliers = inliers_.Median();
+  evidence.stereo = stereo_.Median();
   return evidence;
 }
 

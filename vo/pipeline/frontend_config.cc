@@ -17,7 +17,9 @@ std::unique_ptr<FrontEnd> MakeUnguarded(const FrontEndConfig& config, const Ster
     return std::make_unique<KltFrontEnd>(rig, config.klt);
   }
   std::unique_ptr<FeatureExtractor> extractor;
-  if (shared != nullptr) {
+  const bool asks_on_another_thread =
+      config.method == "superglue" && config.learned.network_lag > 0;
+  if (shared != nullptr && !asks_on_another_thread) {
     extractor = std::make_unique<SharedExtractor>(std::move(shared));
   } else {
     extractor = MakeFrontEndExtractor(config, networks, pool);

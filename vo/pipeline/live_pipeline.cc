@@ -13,6 +13,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/bounded_queue.h"
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/stopwatch.h"
 #include "latency_histogram.h"
 #include "stamp_watch.h"
 
@@ -23,12 +24,13 @@ using SteadyClock = std::chrono::steady_clock;
 
 // A minute of a fast unit's: without frames nobody takes them.
 constexpr std::size_t kMostReadings = 60'000;
-constexpr std::size_t kResultsThatWait = 4;
+constexpr std::size_t kResultsThatWait = 2;  // Each is later by the time of those before it.
 
 }  // namespace
 
 void LiveOptions::Validate() const {
   CheckAtLeast(queue_frames, 1, "live.queue_frames");
+  CheckPositive(max_age_s, "live.max_age_s");
   CheckWithin(imu_wait_s, 0.0, 10.0, "live.imu_wait_s");
 }
 
@@ -48,7 +50,7 @@ class LivePipeline::State {
   void Push(std::span<const ImuSample> samples);
   LiveStatistics statistics() const;
   void Join();
-  void RethrowFailure() const;
+  const std::exception_ptr& failure() const { return failure_; }
   const Odometry& odometry() const { return odometry_; }
 
  private:
@@ -57,6 +59,9 @@ class LivePipeline::State {
   void TrackAll();
   void TellAll();
   void Track(StereoFrame frame);
+  /// Waits for the frame's readings; a newer one takes its place where it is too old by then.
+  void MakeReady(StereoFrame& frame);
+  bool GiveWayToNewer(StereoFrame& frame);
   /// Gives the odometry the readings, those for a frame of this time among them.
   void TakeReadings(int64_t timestamp_ns);
   bool HasReadingsTo(int64_t timestamp_ns) const;
@@ -151,12 +156,6 @@ void LivePipeline::State::Join() {
   }
 }
 
-void LivePipeline::State::RethrowFailure() const {
-  if (failure_) {
-    std::rethrow_exception(failure_);
-  }
-}
-
 template <typename Work>
 void LivePipeline::State::Guard(const Work& work) {
   try {
@@ -197,7 +196,7 @@ void LivePipeline::State::TellAll() {
 void LivePipeline::State::Track(StereoFrame frame) {
   LiveResult result;
   try {
-    TakeReadings(frame.timestamp_ns);
+    MakeReady(frame);
     result.result = odometry_.Process(frame);
   } catch (const Error& error) {
     {
@@ -218,6 +217,28 @@ void LivePipeline::State::Track(StereoFrame frame) {
   results_.Push(std::move(result));
 }
 
+void LivePipeline::State::MakeReady(StereoFrame& frame) {
+  do {
+    while (GiveWayToNewer(frame)) {
+    }
+    TakeReadings(frame.timestamp_ns);
+  } while (GiveWayToNewer(frame));
+}
+
+bool LivePipeline::State::GiveWayToNewer(StereoFrame& frame) {
+  const bool is_old =
+      1e-9 * static_cast<double>(clock_() - frame.timestamp_ns) > options_.max_age_s;
+  std::optional<StereoFrame> newer = is_old ? frames_.TryPop() : std::nullopt;
+  if (!newer) {
+    return false;
+  }
+  frame = *std::move(newer);
+  const std::lock_guard lock(mutex_);
+  ++counts_.frames_dropped;
+  ++counts_.frames_dropped_old;
+  return true;
+}
+
 bool LivePipeline::State::HasReadingsTo(int64_t timestamp_ns) const {
   const double offset_s = odometry_.inertial()->readings().time_offset_s();
   return newest_reading_ns_ &&
@@ -231,8 +252,10 @@ void LivePipeline::State::TakeReadings(int64_t timestamp_ns) {
     std::unique_lock lock(mutex_);
     if (odometry_.inertial() != nullptr && newest_reading_ns_ &&
         SteadyClock::now() - reading_came_ < kSilence) {
+      Stopwatch watch;
       readings_came_.wait_for(lock, std::chrono::duration<double>(options_.imu_wait_s),
                               [&] { return is_finishing_ || HasReadingsTo(timestamp_ns); });
+      counts_.readings_wait_ms += watch.Lap();
     }
     readings.swap(readings_);
     if (odometry_.inertial() == nullptr) {
@@ -260,14 +283,15 @@ LivePipeline::LivePipeline(Odometry odometry, LiveCallbacks callbacks, Clock clo
 LivePipeline::~LivePipeline() { state_->Join(); }
 
 void LivePipeline::Push(StereoFrame frame) { state_->Push(std::move(frame)); }
-
 void LivePipeline::Push(std::span<const ImuSample> samples) { state_->Push(samples); }
 
 LiveStatistics LivePipeline::statistics() const { return state_->statistics(); }
 
 LiveStatistics LivePipeline::Finish() {
   state_->Join();
-  state_->RethrowFailure();
+  if (state_->failure()) {
+    std::rethrow_exception(state_->failure());
+  }
   return state_->statistics();
 }
 

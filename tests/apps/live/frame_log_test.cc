@@ -25,6 +25,7 @@ vo::FrameResult Frame(int i) {
   frame.matched = 7 * i;
   frame.landmarks = 1000 + i;
   frame.refused_speed_m_per_s = 0.7;
+  frame.stages_ms = {{"estimator", 0.1 * i}, {i % 3 == 0 ? "flow" : "networks_wait", 2.0}};
   if (i % 2 == 1) {
     frame.inertial.emplace();
     frame.inertial->gravity_in_world = {0.0, -9.8, 0.1 * x};
@@ -52,6 +53,7 @@ void ExpectSame(const vo::FrameResult& a, const vo::FrameResult& b) {
   EXPECT_EQ(a.matched, b.matched);
   EXPECT_EQ(a.landmarks, b.landmarks);
   EXPECT_EQ(a.refused_speed_m_per_s, b.refused_speed_m_per_s);
+  EXPECT_EQ(a.stages_ms, b.stages_ms);
   ASSERT_EQ(a.inertial.has_value(), b.inertial.has_value());
   if (a.inertial) {
     EXPECT_EQ(a.inertial->gravity_in_world, b.inertial->gravity_in_world);

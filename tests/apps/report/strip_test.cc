@@ -47,6 +47,28 @@ TEST(StripRecorderTest, KeepsFewFramesSpreadOverTheRun) {
   }
 }
 
+TEST(StripRecorderTest, OfARunWithoutAKnownEndItKeepsNoMoreEither) {
+  StripRecorder recorder(0);
+  for (int i = 0; i < 1000; ++i) {
+    // Lost at 6 frames; what is kept are the first 4.
+    recorder.Add(Result(i, i / 150), [] { return Frame(100); });
+    if (i > 16) {
+      ASSERT_GE(recorder.frames().size(), 8U) << i;
+      ASSERT_LE(recorder.frames().size(), 16U + 4U) << i;
+    }
+  }
+  std::vector<std::size_t> even;
+  std::vector<std::size_t> resets;
+  for (const StripFrame& frame : recorder.frames()) {
+    (frame.is_reset ? resets : even).push_back(frame.index);
+  }
+  EXPECT_EQ(resets, (std::vector<std::size_t>{150, 300, 450, 600}));
+  for (std::size_t i = 0; i < even.size(); ++i) {
+    EXPECT_EQ(even[i], i * even[1]) << "spread evenly";
+  }
+  EXPECT_GT(even.back(), 1000U - 2 * even[1]);
+}
+
 TEST(StripRecorderTest, ShowsMotionNewTracksAndStereo) {
   StripRecorder recorder(8);
   for (int i = 0; i < 8; ++i) {

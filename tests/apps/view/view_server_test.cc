@@ -35,9 +35,18 @@ TEST(ViewAddressTest, IsReadInItsForms) {
   EXPECT_EQ(ParseViewAddress("[::1]:90").host, "::1");
   EXPECT_EQ(ParseViewAddress("[::1]:90").port, 90);
   EXPECT_EQ(ParseViewAddress("localhost").port, 8080);
-  for (const std::string wrong : {"", "host:", "host:x", "host:70000", ":80", "70000:1x"}) {
+  for (const std::string wrong : {"", "host:", "host:x", "0.0.0.0:P", ":80", "70000:1x"}) {
     EXPECT_EQ(MessageOf([&] { ParseViewAddress(wrong); }),
-              "--view is \"" + wrong + "\"; expected PORT, ADDRESS or ADDRESS:PORT");
+              "--view is \"" + wrong +
+                  "\"; expected PORT, ADDRESS or ADDRESS:PORT, as in 8080 or 0.0.0.0:8080");
+  }
+  for (const std::string wrong : {"99999", "host:70000"}) {
+    EXPECT_EQ(MessageOf([&] { ParseViewAddress(wrong); }),
+              "--view is \"" + wrong + "\"; expected a port up to 65535");
+  }
+  EXPECT_EQ(ParseViewAddress("[::1]:90").NameForOthers(), "[::1]");
+  for (const std::string all : {"0.0.0.0:90", "[::]:90"}) {
+    EXPECT_EQ(ParseViewAddress(all).NameForOthers().find_first_of("[:"), std::string::npos) << all;
   }
   EXPECT_EQ(MakeViewToken().size(), 16U);
   EXPECT_NE(MakeViewToken(), MakeViewToken());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <future>
@@ -19,6 +20,7 @@ namespace gluevo::vo {
 namespace {
 
 constexpr int64_t kFrameNs = 100'000'000;
+constexpr double kAnyAge = 1e6;
 
 // What the rig sees at the frame's time, whichever frames come.
 class TimedFrontEnd final : public FrontEnd {
@@ -77,7 +79,7 @@ TEST(LivePipelineTest, WithoutDropsItIsOdometryBitForBit) {
         flown.MakeOdometry(true),
         {.tracked = [&](const StereoFrame&, FrameResult&, const Odometry&) { ++tracked; },
          .result = [&](const LiveResult& result) { live.push_back(result); }},
-        flown.Now(), {.queue_frames = 100, .imu_wait_s = 10.0});
+        flown.Now(), {.queue_frames = 100, .max_age_s = kAnyAge, .imu_wait_s = 10.0});
     // The first reading is there before a frame could take the unit for silent.
     pipeline.Push(flown.flight.samples.front());
     const std::jthread readings([&] {
@@ -119,7 +121,7 @@ TEST(LivePipelineTest, WhileTrackingIsBusyTheOldestFramesAreDropped) {
                                  may_go_on.get_future().wait();
                                }
                              }},
-                        flown.Now(), {.queue_frames = 2});
+                        flown.Now(), {.queue_frames = 2, .max_age_s = kAnyAge});
   pipeline.Push(StereoFrame{flown.frames[0].timestamp_ns, {}});
   is_busy.get_future().wait();
   for (int i = 1; i < 6; ++i) {
@@ -134,13 +136,84 @@ TEST(LivePipelineTest, WhileTrackingIsBusyTheOldestFramesAreDropped) {
   EXPECT_EQ(statistics.frames_dropped, 3);
 }
 
+TEST(LivePipelineTest, OnAMachineThatIsTooSlowPosesAreRareButNotLate) {
+  constexpr int64_t kTrackingNs = 140'000'000;
+  const Flown flown(60);
+  std::atomic<int64_t> now = 0;
+  LivePipeline* live = nullptr;
+  std::size_t pushed = 0;
+  const auto push_what_has_come = [&] {
+    while (pushed < flown.frames.size() && flown.frames[pushed].timestamp_ns <= now) {
+      live->Push(StereoFrame{flown.frames[pushed++].timestamp_ns, {}});
+    }
+  };
+  int64_t latest_ns = 0;
+  LivePipeline pipeline(flown.MakeOdometry(false),
+                        {.tracked =
+                             [&](const StereoFrame& frame, FrameResult&, const Odometry&) {
+                               now += kTrackingNs;
+                               push_what_has_come();
+                               // For the last one nothing newer comes.
+                               if (pushed < flown.frames.size()) {
+                                 latest_ns = std::max(latest_ns, now - frame.timestamp_ns);
+                               }
+                             }},
+                        [&] { return now.load(); });
+  live = &pipeline;
+  now = kFrameNs;
+  push_what_has_come();
+  // Each frame that is tracked brings the next ones, up to the last.
+  while (pipeline.statistics().frames_pushed < 60) {
+    std::this_thread::yield();
+  }
+  const LiveStatistics statistics = pipeline.Finish();
+  EXPECT_LE(latest_ns, static_cast<int64_t>(1e9 * LiveOptions().max_age_s) + kTrackingNs);
+  EXPECT_LT(latest_ns, 300'000'000);
+  EXPECT_EQ(statistics.frames_tracked + statistics.frames_dropped, 60);
+  EXPECT_GE(statistics.frames_tracked, 60 * 100 / 140 - 1);
+  EXPECT_GT(statistics.frames_dropped_old, 0);
+}
+
+TEST(LivePipelineTest, AFrameThatGrowsOldWhileItWaitsForReadingsGivesWay) {
+  const Flown flown(3);
+  std::atomic<int64_t> now = kFrameNs;
+  std::promise<void> first;
+  std::vector<int64_t> tracked;
+  LivePipeline pipeline(flown.MakeOdometry(true),
+                        {.tracked =
+                             [&](const StereoFrame& frame, FrameResult&, const Odometry&) {
+                               tracked.push_back(frame.timestamp_ns / kFrameNs);
+                               if (tracked.size() == 1) {
+                                 first.set_value();
+                               }
+                             }},
+                        [&] { return now.load(); }, {.imu_wait_s = 10.0});
+  std::size_t reading = 0;
+  const auto push_readings_to = [&](int64_t time_ns) {
+    while (reading < flown.flight.samples.size() &&
+           flown.flight.samples[reading].timestamp_ns <= time_ns) {
+      pipeline.Push(flown.flight.samples[reading++]);
+    }
+  };
+  push_readings_to(kFrameNs);
+  pipeline.Push(StereoFrame{1 * kFrameNs, {}});
+  first.get_future().wait();
+  pipeline.Push(StereoFrame{2 * kFrameNs, {}});
+  now = 4 * kFrameNs;
+  pipeline.Push(StereoFrame{3 * kFrameNs, {}});
+  push_readings_to(3 * kFrameNs);
+  const LiveStatistics statistics = pipeline.Finish();
+  EXPECT_EQ(tracked, (std::vector<int64_t>{1, 3}));
+  EXPECT_EQ(statistics.frames_dropped_old, 1);
+}
+
 TEST(LivePipelineTest, LatencyIsFromTheStampByTheCallersClock) {
   const Flown flown(10);
   std::vector<double> latencies;
   LivePipeline pipeline(
       flown.MakeOdometry(false),
       {.result = [&](const LiveResult& result) { latencies.push_back(result.latency_ms); }},
-      flown.Now(), {.queue_frames = 20});
+      flown.Now(), {.queue_frames = 20, .max_age_s = kAnyAge});
   for (const TrackedFrame& frame : flown.frames) {
     pipeline.Push(StereoFrame{frame.timestamp_ns, {}});
   }
@@ -159,7 +232,7 @@ TEST(LivePipelineTest, WhatTheFrontEndRefusesIsLeftOutAndTold) {
   LivePipeline pipeline(
       flown.MakeOdometry(false),
       {.warning = [&](const std::string& warning) { warnings.push_back(warning); }}, flown.Now(),
-      {.queue_frames = 20});
+      {.queue_frames = 20, .max_age_s = kAnyAge});
   pipeline.Push(StereoFrame{flown.frames[0].timestamp_ns, {}});
   pipeline.Push(StereoFrame{flown.frames[0].timestamp_ns + 5, {}});
   pipeline.Push(StereoFrame{flown.frames[1].timestamp_ns, {}});
@@ -175,7 +248,7 @@ TEST(LivePipelineTest, StampsThatDoNotIncreaseAreCounted) {
   LivePipeline pipeline(
       flown.MakeOdometry(false),
       {.warning = [&](const std::string& warning) { warnings.push_back(warning); }}, flown.Now(),
-      {.queue_frames = 20});
+      {.queue_frames = 20, .max_age_s = kAnyAge});
   for (const int frame : {1, 1, 0, 2}) {
     pipeline.Push(StereoFrame{flown.frames[frame].timestamp_ns, {}});
   }
@@ -189,7 +262,7 @@ TEST(LivePipelineTest, StampsThatDoNotIncreaseAreCounted) {
 TEST(LivePipelineTest, AUnitThatFallsSilentDoesNotStopTheFrames) {
   const Flown flown(10);
   LivePipeline pipeline(flown.MakeOdometry(true), {}, flown.Now(),
-                        {.queue_frames = 20, .imu_wait_s = 0.001});
+                        {.queue_frames = 20, .max_age_s = kAnyAge, .imu_wait_s = 0.001});
   for (const int reading : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 9, 12}) {  // One out of order.
     pipeline.Push(flown.flight.samples[reading]);
   }

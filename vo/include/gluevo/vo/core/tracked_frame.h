@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ struct TrackedFrame {
   int64_t timestamp_ns = 0;
   std::vector<Observation> observations;
   std::map<std::string, double> stages_ms;  ///< Time spent by stage ("match_stereo", ...).
+  /// Where networks give tracks, of a frame with which some came in: how many frames before this
+  /// one their image is; 0 for its own, which was waited for.
+  std::optional<int> networks_age = {};
 };
 
 }  // namespace gluevo::vo

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <future>
 #include <map>
 #include <memory>
 #include <opencv2/core/mat.hpp>
@@ -56,13 +57,27 @@ struct LearnedFrontEndOptions {
   /// Networks run where optical flow keeps fewer of the tracks that they gave, 0 to 1.
   double min_followed_share = 0.8;
 
+  /// 0: frames wait for the networks. Else these run beside tracking, on a thread of their own, and
+  /// what they made of a frame is taken in so many frames later: optical flow carries it on from
+  /// there. Frames wait as before where flow has lost the tracks, or the estimator finds no pose.
+  int network_lag = 0;
+  /// With a lag: where flow keeps fewer tracks than min_followed_share networks are due at once,
+  /// but frames wait for them only below this share. Waiting where frames come far apart would make
+  /// the next one come later still.
+  double min_share_to_go_on = 0.5;
+  /// With a lag: a result that is not there by then is waited for, so that results are the same
+  /// each time. Else it is taken in with the first frame by which it is there, as cameras that do
+  /// not wait need it.
+  bool awaits_networks = true;
+
   /// Throws Error naming the option.
   void Validate() const;
 };
 
 /// Method 2 of Yoon and Park: keypoints by SuperPoint in both images, matched by SuperGlue from the
 /// previous left image to this one (tracks) and from left to right (stereo); other networks may
-/// stand in their places.
+/// stand in their places. With a lag (LearnedFrontEndOptions) extractor and matcher are called on
+/// another thread, one call at a time, also between the calls of the front end's own functions.
 class LearnedFrontEnd : public FrontEnd {
  public:
   /// `fallback` (may be absent) matches left images in Retry(). Throws Error for bad options.
@@ -89,6 +104,7 @@ class LearnedFrontEnd : public FrontEnd {
     cv::Point2f right;
     float stereo_confidence = 0.0F;
   };
+  using Tracks = std::unordered_map<int64_t, TrackedPoint>;  // By their id.
   // A left image that the networks have seen.
   struct KeypointView {
     nn::Features features;
@@ -105,21 +121,57 @@ class LearnedFrontEnd : public FrontEnd {
     Matcher* matcher = nullptr;
     float threshold = 0.0F;
   };
+  // A frame, what was known before it, and what is made of it.
+  struct Sight {
+    StereoFrame frame;
+    std::array<Pyramid, 2> pyramids;
+    Tracks previous_tracks;    // As the frame before saw them.
+    Pyramid previous_pyramid;  // Its left image.
+
+    std::vector<TrackedPoint> tracks;    // Where the networks ran one a keypoint of `view`.
+    std::shared_ptr<KeypointView> view;  // Absent where only optical flow was run.
+    nn::Features right_features;
+    nn::Matches stereo;  // From `view` to them.
+    std::map<std::string, double> stages_ms;
+  };
+  // A frame that the networks are at work on, beside tracking.
+  struct LateSight {
+    std::future<Sight> sight;
+    int age = 0;  // So many frames have come since.
+    bool is_keyframe = false;
+  };
 
   void Advance();
   void KeepFrame();
+  void Remember(std::shared_ptr<const KeypointView> view, bool is_keyframe);
   void MakePyramids();
   bool FollowTracks();
   void RunNetworks();
+  // What networks make of a frame. New tracks have no id yet.
+  void RunNetworksOn(const std::shared_ptr<const KeypointView>& reference,
+                     const std::shared_ptr<const KeypointView>& keyframe, Sight& sight) const;
+  std::shared_ptr<const KeypointView> KeyframeToRematch() const;  // Null where none is to be.
   void FindWays();
-  nn::Features Extract(const cv::Mat& image, const Camera& camera);
-  void MatchFrom(const Way& way);
-  void CarryOn(const KeypointView& from, const nn::Matches& matches);
-  void RefineLeft(const KeypointView& from, const std::vector<Match>& carried);
+  nn::Features Extract(const cv::Mat& image, const Camera& camera) const;
+  void MatchFrom(const Way& way, Sight& sight) const;
+  void CarryOn(const KeypointView& from, const nn::Matches& matches, Sight& sight) const;
+  void RefineLeft(const KeypointView& from, const std::vector<Match>& carried, Sight& sight) const;
   bool FlowJudges(std::size_t refused, std::size_t matches) const;
-  void RematchKeyframe();
-  void StartTracks();
-  void AddRightViews();
+  void RematchKeyframe(const KeypointView& keyframe, Sight& sight) const;
+  void StartTracks(Sight& sight);
+  void AddRightViews(Sight& sight) const;
+
+  // Networks beside tracking.
+  bool NetworksAreDue() const;
+  void SendToNetworks();
+  void TakeInLate();  // Where it is due.
+  void AwaitLate();   // Where there is anything.
+  void DiscardLate();
+  // Takes in what networks made of an older frame.
+  void CarryToNow(Sight late, bool is_keyframe);
+  // Points of an older frame as the one before this saw them; those that are not found go.
+  std::vector<TrackedPoint> FollowToBefore(const Sight& from,
+                                           const std::vector<TrackedPoint>& points) const;
   bool SeeTheSame(const cv::Point2f& left, const cv::Point2f& right) const;
   TrackedFrame Observe() const;
 
@@ -132,24 +184,19 @@ class LearnedFrontEnd : public FrontEnd {
 
   int64_t next_track_id_ = 0;
 
-  // The newest frame.
-  StereoFrame frame_;
-  std::array<Pyramid, 2> pyramids_;
-  std::vector<TrackedPoint> tracks_;    // Where the networks ran one a keypoint of view_.
-  std::shared_ptr<KeypointView> view_;  // Absent where only optical flow was run.
-  nn::Features right_features_;
-  nn::Matches stereo_;  // From view_ to them.
-  std::map<std::string, double> stages_ms_;
+  Sight now_;
   std::optional<std::deque<Way>> ways_;  // Absent before the first Retry().
   FrameOutcome outcome_;
   bool frames_are_missing_ = false;  // Between this frame and the next.
+  std::optional<int> networks_age_;  // TrackedFrame's.
 
   // The frames before.
-  std::unordered_map<int64_t, TrackedPoint> previous_tracks_;
-  Pyramid previous_pyramid_;                                   // Left.
   std::shared_ptr<const KeypointView> reference_;              // The newest.
   std::deque<std::shared_ptr<const KeypointView>> keyframes_;  // The newest first.
   int frames_since_networks_ = 0;
+  bool needs_networks_ = false;     // Flow has nothing to go on from.
+  std::size_t tracks_to_keep_ = 0;  // That the networks gave last.
+  std::optional<LateSight> late_;   // Last: its thread uses the others.
 };
 
 }  // namespace gluevo::vo

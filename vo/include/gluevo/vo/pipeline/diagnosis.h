@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "gluevo/vo/core/count_median.h"
 #include "gluevo/vo/core/frame_result.h"
 #include "gluevo/vo/core/stereo_frame.h"
 #include "gluevo/vo/frontend/stereo_look.h"
@@ -18,7 +19,7 @@ struct RunEvidence {
   int frames = 0;
   int located = 0;                     ///< Frames whose pose was found from points seen before.
   std::vector<StereoLook> looks;       ///< At some of the others.
-  std::vector<double> steps_s;         ///< From frame to frame.
+  std::vector<double> steps_s;         ///< From frame to frame, of the first ones.
   std::vector<double> refused_speeds;  ///< FrameResult::refused_speed_m_per_s where not 0.
   double matched = 0.0;                ///< Medians over frames, as FrameResult counts.
   double inliers = 0.0;
@@ -45,7 +46,7 @@ class Diagnosis {
  private:
   StereoRig rig_;
   RunEvidence evidence_;
-  std::vector<double> matched_, inliers_, stereo_;  // By frame.
+  internal::CountMedian matched_, inliers_, stereo_;
   cv::Mat left_before_;
   int64_t last_timestamp_ns_ = 0;
   int bad_frames_ = 0;

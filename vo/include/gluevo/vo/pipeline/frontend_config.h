@@ -56,8 +56,8 @@ std::unique_ptr<FeatureExtractor> MakeFrontEndExtractor(const FrontEndConfig& co
                                                         const Networks& networks,
                                                         nn::ThreadPool& pool);
 
-/// The pool must outlive it. `extractor`: one that others ask, too; none: one of its own. Throws
-/// Error for options out of their range.
+/// The pool must outlive it. `extractor`: one that others ask, too; none, or where networks run
+/// beside tracking: one of its own. Throws Error for options out of their range.
 std::unique_ptr<FrontEnd> MakeFrontEnd(const FrontEndConfig& config, const StereoRig& rig,
                                        const Networks& networks, nn::ThreadPool& pool,
                                        std::shared_ptr<FeatureExtractor> extractor = nullptr);

@@ -15,7 +15,10 @@ namespace gluevo::vo {
 
 struct LiveOptions {
   /// So many frames wait at most while one is tracked; for a newer one the oldest is dropped.
-  int queue_frames = 2;
+  int queue_frames = 4;
+  /// A frame that is older than this, seconds on the caller's clock, when its turn comes, or once
+  /// its readings are there, is dropped where a newer one waits: so late no pose gets.
+  double max_age_s = 0.1;
   /// Where an inertial unit is used a frame waits for its readings up to the frame's time, at most
   /// so long, seconds of real time; not at all where none has come for a second.
   double imu_wait_s = 0.05;
@@ -28,12 +31,14 @@ struct LiveOptions {
 struct LiveStatistics {
   int64_t frames_pushed = 0;
   int64_t frames_tracked = 0;
-  int64_t frames_dropped = 0;     ///< For newer ones, since tracking was not done.
-  int64_t frames_refused = 0;     ///< The odometry threw (images of another size ...).
-  int64_t stamps_still = 0;       ///< Frames left out whose time is that of the one before.
-  int64_t stamps_back = 0;        ///< Frames left out whose time is a little before that.
+  int64_t frames_dropped = 0;      ///< For newer ones, since tracking was not done.
+  int64_t frames_dropped_old = 0;  ///< Of these, those that were too old when their turn came.
+  int64_t frames_refused = 0;      ///< The odometry threw (images of another size ...).
+  int64_t stamps_still = 0;        ///< Frames left out whose time is that of the one before.
+  int64_t stamps_back = 0;         ///< Frames left out whose time is a little before that.
   int64_t clock_steps = 0;        ///< How often stamps jumped, back or ahead: they go on as if not.
   int64_t readings_left_out = 0;  ///< Of the inertial unit: out of order, or none took them.
+  double readings_wait_ms = 0.0;  ///< Frames have waited for readings, all together.
   /// From a frame's stamp to the call of LiveCallbacks::result, by the caller's clock,
   /// milliseconds; percentiles to one per cent. 0 before the first.
   double latency_median_ms = 0.0;

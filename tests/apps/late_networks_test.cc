@@ -1,0 +1,57 @@
+// gluevo run with networks beside tracking: the same each time, and about as good.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "apps/command_test.h"
+
+namespace gluevo::apps {
+namespace {
+
+using Json = nlohmann::json;
+
+class LateNetworksTest : public CommandTest {
+ protected:
+  // Of the flight by superglue with more options; the folder of its results.
+  std::string Fly(const std::string& name, const std::string& options) const {
+    const Outcome outcome =
+        Run("run " + Path("flight") + " --imu off " + options + " -o " + Path(name));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+    return Path(name);
+  }
+  static Json MetricsOf(const std::string& results) {
+    return Json::parse(Contents(results + "/metrics.json"));
+  }
+};
+
+TEST_F(LateNetworksTest, LatenessIsByTheScheduleWhateverTheThreads) {
+  ASSERT_EQ(Run("simulate -o " + Path("flight") +
+                " --path hall_loop --duration 3 --rate 20 --width 376 --height 240")
+                .exit_code,
+            0);
+  const Json in_line = MetricsOf(Fly("in_line", ""));
+  EXPECT_EQ(in_line["networks"]["in_line"], in_line["networks"]["runs"]);
+  EXPECT_EQ(in_line["options"]["superglue-lag"], "0");
+
+  const std::string one = Fly("one", "--superglue-lag 3 --threads 1");
+  for (const std::string threads : {"2", "4"}) {
+    const std::string other = Fly(threads, "--superglue-lag 3 --threads " + threads);
+    for (const char* const file : {"/trajectory.tum", "/keyframes.tum", "/covariance.csv"}) {
+      EXPECT_EQ(Contents(one + file), Contents(other + file)) << threads << file;
+    }
+  }
+  const Json late = MetricsOf(one);
+  EXPECT_EQ(late["networks"]["lag_frames"]["median"], 3);
+  EXPECT_EQ(late["networks"]["lag_frames"]["max"], 3);
+  EXPECT_LT(late["networks"]["in_line"], 4);
+  EXPECT_GT(late["networks"]["runs"], 8);
+  EXPECT_TRUE(late["stages_ms"].contains("networks_wait"));
+  EXPECT_EQ(late["resets"], 0);
+  EXPECT_LE(late["ate_se3_m"].get<double>(), 1.3 * in_line["ate_se3_m"].get<double>());
+  EXPECT_NE(Contents(one + "/trajectory.tum"), Contents(Path("in_line/trajectory.tum")));
+}
+
+}  // namespace
+}  // namespace gluevo::apps
