@@ -53,7 +53,8 @@ class Path {
   }
 
   PlaceCodebook Codebook() {
-    return {RandomDescriptors(kCentres, static_cast<int>(pool_.cols()), random_), ""};
+    // Short, as means of many descriptors are.
+    return {0.1F * RandomDescriptors(kCentres, static_cast<int>(pool_.cols()), random_), ""};
   }
 
  private:
