@@ -205,7 +205,9 @@ std::unique_ptr<ViewFeed> MakeView(const LiveArguments& arguments, const RunSetu
 
 void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
-  TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
+  // Places take memory for as long as it runs.
+  arguments.needs_loops =
+      SettleLoops(command, /*is_default=*/false, arguments.places.saved_map, arguments.loops);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckArguments(arguments);
   UseProcessors(arguments.processors);
@@ -233,13 +235,14 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   setup.origins =
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
   UseLagByClock(command, arguments.config.frontend.learned);
-  SetUpFrontEnd(arguments, pool, setup);
+  SetUpFrontEnd(command, pool, arguments, setup);
   const vo::OutputDirectory output(arguments.places.folder);
   CheckPlaces(arguments.places);
   vo::Odometry odometry = MakeOdometry(arguments, setup);
   RunRecords records{.strip = StripRecorder(/*frames=*/0),
                      .diagnosis = vo::Diagnosis(setup.dataset.rig, setup.method != "klt"),
-                     .loops = std::move(setup.loops)};
+                     .loops = std::move(setup.loops),
+                     .extracted = setup.extracted};
   records.metrics.KeepOnDisk(arguments.places.folder);
   std::vector<std::unique_ptr<LinePublisher>> publishers = MakePublishers(arguments);
   std::unique_ptr<ViewFeed> view = MakeView(arguments, setup, records.loops.has_value());

@@ -158,6 +158,10 @@ void AddLoops(const LoopOutcome& loops, Json& json) {
 }
 
 std::string TextOfLoops(const LoopOutcome& loops) {
+  if (loops.attempts.empty() && !loops.frames_in_map && !loops.adjustment &&
+      (!loops.quality || loops.quality->revisits == 0)) {
+    return "";
+  }
   std::ostringstream text;
   text << "loops: " << loops.closed << " closed of " << loops.attempts.size() << " tried";
   if (loops.segments_joined > 0) {

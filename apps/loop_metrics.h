@@ -37,7 +37,7 @@ LoopOutcome CloseLoops(const vo::LoopRecorder& recorder, bool has_final_adjustme
 
 /// Adds "loops", "loops_rejected", "segments_joined", "optimized" and the like.
 void AddLoops(const LoopOutcome& loops, nlohmann::ordered_json& json);
-/// A line or two for people.
+/// A line or two for people; none where no place was like another.
 std::string TextOfLoops(const LoopOutcome& loops);
 
 }  // namespace gluevo::apps

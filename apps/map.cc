@@ -53,7 +53,8 @@ void PrintInfo(const fs::path& path) {
             << map.rig.baseline() << " m; poses of the " << OneLine(map.rig.body_frame) << '\n'
             << "key frames: " << map.keyframes.size() << " with " << keypoints << " keypoints, "
             << points << " of known depth\n"
-            << "loops: " << map.loops.size() << "\nparts:";
+            << "loops: " << map.loops.size()
+            << " (between key frames of the map: a run closes more where they are culled)\nparts:";
   for (const auto& [part, size] : parts) {
     std::cout << (part == parts.begin()->first ? " " : ", ") << part << " (" << size
               << " key frames)";

@@ -45,6 +45,7 @@ struct OfflineArguments : RunArguments {
 
 void AddRunOptions(CLI::App& command, OfflineArguments& arguments) {
   command.add_option("DATASET", arguments.dataset, "Folder of the data set")->required();
+  arguments.loops.is_on = true;
   AddRunArguments(command, arguments);
   command.add_option("--map", arguments.places.map,
                      "Folder for the sparse map: points.ply, keyframes.ply and colmap/SEGMENT "
@@ -55,14 +56,16 @@ void AddRunOptions(CLI::App& command, OfflineArguments& arguments) {
       .add_option(
           "--replay", arguments.replay,
           "Take the matches from such a file: reads no images and runs no networks, but for "
-          "--loops; the frames are the stored run's where no option chooses others")
+          "--loops on, which is not the default then; the frames are the stored run's where no "
+          "option chooses others")
       ->excludes(save);
   command.add_flag("--strict", arguments.is_strict,
                    "End at a frame that cannot be read, in place of leaving it out; what came "
                    "before it is kept");
   command.footer(
       "Writes DIR/trajectory.tum (a pose for every frame), DIR/keyframes.tum, "
-      "DIR/covariance.csv, DIR/metrics.json and DIR/report.html.\nExample:\n  gluevo run "
+      "DIR/covariance.csv, DIR/metrics.json, DIR/report.html and, with loops, "
+      "DIR/trajectory_optimized.tum.\nExample:\n  gluevo run "
       "data/V1_01_easy -o "
       "results/V1_01");
 }
@@ -87,13 +90,10 @@ std::vector<int64_t> TimesOf(const vo::Dataset& dataset) {
 
 // The networks are those of the command line: klt's stored runs have none.
 void MakeLoopsOfReplay(const RunArguments& arguments, const vo::MatchStoreReader& store,
-                       nn::ThreadPool& pool, RunSetup& setup) {
-  const vo::FrontEndConfig& config = arguments.config.frontend;
-  const vo::Networks networks = vo::LoadNetworksWithLoops(config);
+                       const nn::ThreadPool& pool, RunSetup& setup) {
+  const vo::Networks networks = vo::LoadNetworksWithLoops(arguments.config.frontend);
   AddReplayedWeights(networks.records, store.path(), setup.networks.records);
-  setup.loops.emplace(vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, networks,
-                                           vo::MakeFrontEndExtractor(config, networks, pool),
-                                           pool));
+  SetUpLoops(arguments, networks, pool.size(), setup);
 }
 
 RunSetup SetUp(OfflineArguments& arguments, CLI::App& command,
@@ -125,7 +125,7 @@ RunSetup SetUp(OfflineArguments& arguments, CLI::App& command,
     setup.frontend = std::make_unique<vo::ReplayFrontEnd>(*std::move(store), setup.dataset.rig,
                                                           TimesOf(setup.dataset));
   } else {
-    SetUpFrontEnd(arguments, pool, setup);
+    SetUpFrontEnd(command, pool, arguments, setup);
   }
   return setup;
 }
@@ -143,12 +143,15 @@ RunRecords MakeRecords(const OfflineArguments& arguments, const CLI::App& comman
     records.map.emplace(setup.dataset.rig.cameras, vo::MapOptions());
   }
   records.loops = std::move(setup.loops);
+  records.extracted = setup.extracted;
   return records;
 }
 
 void Run(OfflineArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
   const Interruption interruption;
-  TurnOnForMaps(command, arguments.loops, arguments.places.saved_map);
+  // A replay's point is to need no images and no networks.
+  arguments.needs_loops =
+      SettleLoops(command, arguments.replay.empty(), arguments.places.saved_map, arguments.loops);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckOutputs(arguments);
   UseProcessors(arguments.processors);

@@ -12,11 +12,14 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/bounded_queue.h"
 #include "gluevo/vo/core/stopwatch.h"
+#include "gluevo/vo/pipeline/loop_thread.h"
 #include "interruption.h"
 #include "progress.h"
 
 namespace gluevo::apps {
 namespace {
+
+constexpr std::size_t kFramesThatWait = 2;  // So that a slow image holds nobody up.
 
 // From the reader to the odometry.
 struct ReadFrame {
@@ -91,9 +94,10 @@ TrackedPair Track(const FrameSource& source, ReadFrame read, vo::Odometry& odome
   pair.frame = std::move(read.frame);
   pair.result = odometry.Process(*pair.frame);
   vo::FrameResult& result = pair.result;
-  if (records.loops) {
+  if (records.loops && !source.overlaps) {
     vo::StageTimer timer(result.stages_ms);
-    records.loops->Add(*pair.frame, result, odometry.rig());
+    records.loops->Add(*pair.frame, result, odometry.rig(),
+                       vo::FeaturesKnownOf(records.extracted.get(), *pair.frame, result));
     timer.End("loops");
   }
   records.metrics.FrameIsDone(result);
@@ -101,8 +105,8 @@ TrackedPair Track(const FrameSource& source, ReadFrame read, vo::Odometry& odome
   if (result.is_keyframe) {
     records.keyframes.push_back(records.trajectory.back());
   }
+  pair.rig = odometry.rig();
   if (records.map) {
-    pair.rig = odometry.rig();
     pair.map_points = odometry.MapPoints();
   }
   return pair;
@@ -151,8 +155,7 @@ EarlyEnd TrackAll(const FrameSource& source, const Neighbours& neighbours, vo::O
     std::optional<ReadFrame> after;
     while (std::optional<ReadFrame> read =
                after ? std::exchange(after, std::nullopt) : neighbours.next()) {
-      // Loops ask the front end's networks, and so take turns with it.
-      if (read->frame && !records.loops && (after = neighbours.look_ahead()) && after->frame) {
+      if (read->frame && (after = neighbours.look_ahead()) && after->frame) {
         odometry.Announce(*after->frame);
       }
       TrackedPair pair = Track(source, *std::move(read), odometry, records);
@@ -186,11 +189,61 @@ EarlyEnd ProcessInTurn(const FrameSource& source, vo::Odometry& odometry, RunRec
   return TrackAll(source, {next, [] { return std::nullopt; }, give}, odometry, records);
 }
 
+// What is made of tracked frames beside tracking: all but loops on a thread, these on another.
+class Recording {
+ public:
+  Recording(const FrameSource& source, RunRecords& records)
+      : source_(source), records_(records), thread_([this] {
+          try {
+            while (const std::optional<TrackedPair> pair = queue_.Pop()) {
+              Record(source_, *pair, records_);
+            }
+          } catch (const std::exception& error) {
+            failure_ = error.what();
+            queue_.Close();
+          }
+        }) {
+    if (records.loops) {
+      loops_.emplace(*records.loops, records.extracted);
+    }
+  }
+
+  bool Take(TrackedPair pair) {
+    const bool has_failed =
+        loops_ && pair.frame && !loops_->Add(*pair.frame, pair.result, *pair.rig);
+    return !has_failed && queue_.Push(std::move(pair));
+  }
+
+  /// Waits until all is done, loops apart where it is `urgent`. Returns what could not be, or
+  /// nothing.
+  std::string Finish(bool urgent) {
+    queue_.Close();
+    thread_.join();
+    if (loops_ && urgent) {
+      loops_->PassOverWaiting();
+    }
+    if (loops_) {
+      try {
+        records_.metrics.AddStage("loops", loops_->Finish());
+      } catch (const std::exception& error) {
+        failure_ = failure_.empty() ? error.what() : failure_;
+      }
+    }
+    return failure_;
+  }
+
+ private:
+  const FrameSource& source_;
+  RunRecords& records_;
+  vo::BoundedQueue<TrackedPair> queue_{kFramesThatWait};
+  std::string failure_;
+  std::optional<vo::LoopThread> loops_;
+  std::jthread thread_;  // Last: it uses the others.
+};
+
 EarlyEnd ProcessOverlapped(const FrameSource& source, vo::Odometry& odometry, RunRecords& records) {
-  constexpr std::size_t kFrames = 2;  // That wait, so that a slow image holds nobody up.
-  vo::BoundedQueue<ReadFrame> to_track(kFrames);
-  vo::BoundedQueue<TrackedPair> to_record(kFrames);
-  std::string failure;
+  vo::BoundedQueue<ReadFrame> to_track(kFramesThatWait);
+  Recording recording(source, records);
   EarlyEnd end;
   {
     const std::jthread reader([&] {
@@ -201,24 +254,14 @@ EarlyEnd ProcessOverlapped(const FrameSource& source, vo::Odometry& odometry, Ru
       }
       to_track.Close();
     });
-    const std::jthread recorder([&] {
-      try {
-        while (const std::optional<TrackedPair> pair = to_record.Pop()) {
-          Record(source, *pair, records);
-        }
-      } catch (const std::exception& error) {
-        failure = error.what();
-        to_record.Close();
-      }
-    });
     end = TrackAll(source,
                    {[&] { return to_track.Pop(); }, [&] { return to_track.TryPop(); },
-                    [&](TrackedPair pair) { return to_record.Push(std::move(pair)); }},
+                    [&](TrackedPair pair) { return recording.Take(std::move(pair)); }},
                    odometry, records);
     to_track.Close();
-    to_record.Close();
   }
-  // What the recorder could not do came before anything that ended the tracking.
+  const std::string failure = recording.Finish(end.signal != 0);
+  // What could not be recorded came before anything that ended the tracking.
   return failure.empty() ? end : EarlyEnd{failure, 0};
 }
 

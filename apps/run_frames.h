@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/frontend/match_store.h"
+#include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/mapping/loop_recorder.h"
 #include "gluevo/vo/mapping/map.h"
@@ -24,6 +26,7 @@ struct RunRecords {
   std::optional<vo::MatchStoreWriter> matches;
   std::optional<vo::MapRecorder> map;
   std::optional<vo::LoopRecorder> loops;
+  std::shared_ptr<const vo::ExtractorMemo> extracted;  ///< The front end's, for loops; or null.
   vo::Trajectory trajectory;
   vo::Trajectory keyframes;
 };
@@ -33,7 +36,7 @@ struct FrameSource {
   bool reads_images = true;
   bool is_strict = false;  ///< A frame that cannot be read ends the run, else it is left out.
   /// Whether the next frames are read, and what is made of those before, while one is tracked: on
-  /// two more threads. Results are the same.
+  /// two more threads, and one for loops. Results are the same.
   bool overlaps = true;
 };
 

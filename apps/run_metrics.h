@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gluevo/vo/evaluation/evaluation.h"
@@ -62,6 +63,10 @@ class RunMetrics {
   void FrameIsLeftOut(std::size_t index, const std::string& why);
   std::size_t left_out() const { return left_out_.size(); }
   void FrameIsDone(const vo::FrameResult& result);
+  /// What was done beside tracking, and what each frame took, milliseconds.
+  void AddStage(const std::string& name, std::vector<double> ms) {
+    stages_ms_[name] = std::move(ms);
+  }
 
   /// The part of a report that the record knows.
   RunReport Report(const Context& context) const;

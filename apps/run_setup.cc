@@ -2,11 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <string>
 #include <utility>
 
+#include "command_line/message.h"
 #include "command_line/value_checks.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/frontend/network_memo.h"
+#include "gluevo/vo/pipeline/loop_thread.h"
 #include "options/estimator_options.h"
 #include "options/frontend_options.h"
 #include "options/loop_options.h"
@@ -89,22 +92,42 @@ void SetUpImu(const RunArguments& arguments, RunSetup& setup) {
   needs_one(arguments.config.odometry.inertial.estimate_time_offset, "--estimate-time-offset");
 }
 
-void SetUpFrontEnd(const RunArguments& arguments, nn::ThreadPool& pool, RunSetup& setup) {
+void SetUpLoops(const RunArguments& arguments, const vo::Networks& networks, int threads,
+                RunSetup& setup) {
+  setup.loop_threads = vo::MakeBackgroundPool(threads);
+  setup.loops.emplace(vo::MakeLoopRecorder(
+      arguments.loops, setup.dataset.rig, networks,
+      vo::MakeFrontEndExtractor(arguments.config.frontend, networks, *setup.loop_threads),
+      *setup.loop_threads));
+}
+
+void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& arguments,
+                   RunSetup& setup) {
   const vo::FrontEndConfig& config = arguments.config.frontend;
   setup.method = config.method;
   setup.features = setup.method == "klt" ? "" : config.features;
   setup.matcher = vo::MatcherOf(config);
-  std::shared_ptr<vo::FeatureExtractor> shared;
   if (arguments.loops.is_on) {
-    setup.networks = vo::LoadNetworksWithLoops(config);
-    shared = std::make_shared<vo::ExtractorMemo>(
-        vo::MakeFrontEndExtractor(config, setup.networks, pool));
-    setup.loops.emplace(
-        vo::MakeLoopRecorder(arguments.loops, setup.dataset.rig, setup.networks, shared, pool));
+    try {
+      setup.networks = vo::LoadNetworksWithLoops(config);
+      SetUpLoops(arguments, setup.networks, pool.size(), setup);
+    } catch (const Error& error) {
+      if (arguments.needs_loops) {
+        throw;
+      }
+      setup.networks = vo::LoadFrontEndNetworks(config);  // What fails here is not only loops'.
+      PrintMessage("gluevo: note", std::string("loops are off: ") + error.what());
+      SetLoops(command, false, arguments.loops);
+    }
   } else {
     setup.networks = vo::LoadFrontEndNetworks(config);
   }
-  setup.frontend = vo::MakeFrontEnd(config, setup.dataset.rig, setup.networks, pool, shared);
+  if (arguments.loops.is_on && setup.method != "klt") {
+    setup.extracted = std::make_shared<vo::ExtractorMemo>(
+        vo::MakeFrontEndExtractor(config, setup.networks, pool));
+  }
+  setup.frontend =
+      vo::MakeFrontEnd(config, setup.dataset.rig, setup.networks, pool, setup.extracted);
 }
 
 int KernelThreads(const RunArguments& arguments, int threads) {

@@ -10,6 +10,7 @@
 #include "command_line.h"
 #include "gluevo/nn/thread_pool.h"
 #include "gluevo/vo/frontend/frontend.h"
+#include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/io/dataset.h"
 #include "gluevo/vo/mapping/loop_recorder.h"
 #include "gluevo/vo/pipeline/loop_config.h"
@@ -32,6 +33,8 @@ struct RunArguments {
   std::string processors;  ///< As UseProcessors takes it.
   vo::OdometryConfig config;
   vo::LoopConfig loops;
+  /// Whether something asks for them: a run that cannot have them fails.
+  bool needs_loops = false;
 };
 
 /// Their options.
@@ -54,7 +57,9 @@ struct RunSetup {
   OptionOrigins origins;
   vo::Networks networks;
   std::unique_ptr<vo::FrontEnd> frontend;
+  std::unique_ptr<nn::ThreadPool> loop_threads;  ///< Of the recorder's networks.
   std::optional<vo::LoopRecorder> loops;
+  std::shared_ptr<vo::ExtractorMemo> extracted;  ///< The front end's; null without loops.
   bool reads_images = true;
   bool uses_imu = false;
 };
@@ -63,8 +68,15 @@ struct RunSetup {
 /// is not.
 void SetUpImu(const RunArguments& arguments, RunSetup& setup);
 
-/// The front end that the arguments name, with its networks and loops.
-void SetUpFrontEnd(const RunArguments& arguments, nn::ThreadPool& pool, RunSetup& setup);
+/// The part that finds places, on so many threads of its own. Throws Error as vo::MakeLoopRecorder
+/// does.
+void SetUpLoops(const RunArguments& arguments, const vo::Networks& networks, int threads,
+                RunSetup& setup);
+
+/// The front end that the arguments name, with its networks and loops. Where nothing asks for loops
+/// and they cannot be had it says so, and turns them off.
+void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& arguments,
+                   RunSetup& setup);
 
 /// How many threads the kernels of a front end get where the command has so many in all: those that
 /// read and write beside it are the others. Networks take so much longer than reading that all

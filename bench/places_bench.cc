@@ -2,16 +2,16 @@
 
 #include <benchmark/benchmark.h>
 
-#include <memory>
+#include <cstdint>
 #include <numbers>
 #include <random>
 #include <vector>
 
-#include "gluevo/vo/frontend/network_matcher.h"
 #include "gluevo/vo/geometry/manifold.h"
 #include "gluevo/vo/mapping/loop_closer.h"
+#include "gluevo/vo/mapping/place_codebook.h"
+#include "gluevo/vo/mapping/place_index.h"
 #include "gluevo/vo/mapping/pose_graph.h"
-#include "vo/mapping/loop_scene.h"
 
 namespace gluevo::vo {
 namespace {
@@ -19,51 +19,90 @@ namespace {
 constexpr int kKeypoints = 400;
 constexpr int kCentres = 32;  // As in the built-in codebook.
 
-nn::Features RandomFeatures(int values, std::mt19937& random) {
+using Descriptors = nn::Features::RowMajor;
+
+Descriptors RandomDescriptors(int count, int values, std::mt19937& random) {
   std::normal_distribution<float> normal;
-  nn::Features features;
-  features.width = 752;
-  features.height = 480;
-  features.keypoints.setZero(kKeypoints, 2);
-  features.scores.setOnes(kKeypoints);
-  features.descriptors.resize(kKeypoints, values);
-  for (Eigen::Index i = 0; i < features.descriptors.size(); ++i) {
-    features.descriptors.data()[i] = normal(random);
+  Descriptors descriptors(count, values);
+  for (Eigen::Index i = 0; i < descriptors.size(); ++i) {
+    descriptors.data()[i] = normal(random);
   }
-  features.descriptors.rowwise().normalize();
-  return features;
+  descriptors.rowwise().normalize();
+  return descriptors;
 }
 
-// Describes a key frame and compares it with all others: none is alike, so that nothing is matched.
-// Arguments: key frames, values of a descriptor.
-void PlaceQuery(benchmark::State& state) {
-  std::mt19937 random(1);
-  const auto values = static_cast<int>(state.range(1));
-  PlaceCodebook::Centres centres = RandomFeatures(values, random).descriptors.topRows(kCentres);
-  LoopCloser closer(testing::SimulatedRig(), PlaceCodebook(centres, ""),
-                    MakeNearestNeighborMatcher(), {.min_similarity = 1.0});
-  std::vector<LoopKeyframe> known;
-  for (int64_t i = 0; i < state.range(0); ++i) {
-    LoopKeyframe keyframe{.timestamp_ns = i * 500'000'000};
-    keyframe.features = RandomFeatures(values, random);
-    known.push_back(std::move(keyframe));
+// Along a path: a tenth of what an image shows is new, and what is seen is never quite the same.
+class Path {
+ public:
+  explicit Path(int values)
+      : pool_(RandomDescriptors(kPool, values, random_)), seen_(pool_.topRows(kKeypoints)) {}
+
+  nn::Features Next() {
+    constexpr int kNew = kKeypoints / 10;
+    for (int i = 0; i < kNew; ++i) {
+      seen_.row(next_ + i) = pool_.row(random_() % kPool);
+    }
+    next_ = (next_ + kNew) % kKeypoints;
+    nn::Features features;
+    features.keypoints.setZero(kKeypoints, 2);
+    features.scores.setOnes(kKeypoints);
+    features.descriptors =
+        seen_ + 0.5F * pool_.middleRows(random_() % (kPool - kKeypoints), kKeypoints);
+    features.descriptors.rowwise().normalize();
+    return features;
   }
-  closer.Load(std::move(known), {});
-  LoopKeyframe query{.timestamp_ns = 0, .segment = 1};
-  query.features = RandomFeatures(values, random);
+
+  PlaceCodebook Codebook() {
+    // Short, as means of many descriptors are.
+    return {0.1F * RandomDescriptors(kCentres, static_cast<int>(pool_.cols()), random_), ""};
+  }
+
+ private:
+  static constexpr int kPool = 20'000;
+  std::mt19937 random_{1};
+  Descriptors pool_;
+  Descriptors seen_;
+  int next_ = 0;
+};
+
+// Describes an image, and finds the three places most like it among all others. Arguments: places,
+// values of a descriptor, and whether one of them is the image's own.
+void PlaceQuery(benchmark::State& state) {
+  Path path(static_cast<int>(state.range(1)));
+  const PlaceCodebook codebook = path.Codebook();
+  PlaceIndex index;
+  nn::Features query;
+  for (int64_t i = 0; i < state.range(0); ++i) {
+    query = path.Next();
+    index.Add(codebook.Describe(query));
+  }
+  // One that is farther along the path than any is like none.
+  for (int i = 0; state.range(2) == 0 && i < 20; ++i) {
+    query = path.Next();
+  }
+  constexpr std::size_t kCandidates = 3;
   for (auto _ : state) {
-    state.PauseTiming();
-    LoopKeyframe next = query;
-    query.timestamp_ns += 500'000'000;
-    state.ResumeTiming();
-    closer.Add(std::move(next));
+    benchmark::DoNotOptimize(index.MostSimilar(codebook.Describe(query), index.size(), kCandidates,
+                                               LoopOptions().min_similarity));
   }
 }
 BENCHMARK(PlaceQuery)
-    ->Args({5000, 64})
-    ->Args({5000, 256})
-    ->Iterations(20)
+    ->Args({5000, 64, 0})
+    ->Args({5000, 256, 0})
+    ->Args({5000, 256, 1})
+    ->Iterations(50)
     ->Unit(benchmark::kMillisecond);
+
+// The part of it that describes. Argument: values of a descriptor.
+void PlaceDescriptor(benchmark::State& state) {
+  Path path(static_cast<int>(state.range(0)));
+  const PlaceCodebook codebook = path.Codebook();
+  const nn::Features query = path.Next();
+  for (auto _ : state) {
+    benchmark::DoNotOptimize(codebook.Describe(query));
+  }
+}
+BENCHMARK(PlaceDescriptor)->Arg(64)->Arg(256)->Unit(benchmark::kMillisecond);
 
 // Rounds of a circle whose heading drifts, closed by loops to the rounds before. Arguments: key
 // frames, loops, and whether gravity is known.

@@ -44,16 +44,18 @@ LiveRun::LiveRun(LiveParts parts, vo::Odometry odometry, const vo::LiveOptions& 
                                 const vo::Odometry& tracker) { Tracked(frame, result, tracker); },
               .result = [this](const vo::LiveResult& live) { Publish(live); },
               .warning = Warn},
-          [this] { return parts_.source.Now(); }, options)) {}
+          [this] { return parts_.source.Now(); }, options)) {
+  if (RunRecords& records = parts_.records; records.loops) {
+    loop_thread_.emplace(*records.loops, records.extracted, vo::LoopThreadOptions{.waits = false});
+  }
+}
 
 // On the tracking thread.
 void LiveRun::Tracked(const vo::StereoFrame& frame, vo::FrameResult& result,
                       const vo::Odometry& odometry) {
   RunRecords& records = parts_.records;
-  if (records.loops) {
-    vo::StageTimer timer(result.stages_ms);
-    records.loops->Add(frame, result, odometry.rig());
-    timer.End("loops");
+  if (loop_thread_) {
+    loop_thread_->Add(frame, result, odometry.rig());
   }
   records.metrics.FrameIsDone(result);
   if (parts_.view) {
@@ -65,14 +67,15 @@ void LiveRun::ShowTracked(const vo::FrameResult& result, const vo::Odometry& odo
   if (result.is_keyframe) {
     parts_.view->ShowLandmarks(odometry.MapPoints());
   }
-  if (const auto& loops = parts_.records.loops) {
-    const std::size_t closed = loops->closer().loops().size();
+  if (loop_thread_) {
+    const std::size_t closed = loop_thread_->loops();
     if (std::exchange(loops_, closed) < closed) {
       parts_.view->PlaceIsRecognised();
     }
   }
   if (parts_.view->TakeSaveWish()) {
-    parts_.view->Say(parts_.save_map());
+    loop_thread_->Look(
+        [&](const vo::LoopRecorder& /*loops*/) { parts_.view->Say(parts_.save_map()); });
   }
 }
 
@@ -158,6 +161,16 @@ LiveEnd LiveRun::Run() {
   live.end.signal = live.is_whole ? 0 : Interruption::signal();
   try {
     pipeline_->Finish();
+  } catch (const std::exception& error) {
+    live.end.failure = live.end.failure.empty() ? error.what() : live.end.failure;
+  }
+  try {
+    if (loop_thread_) {
+      if (live.end.signal != 0) {
+        loop_thread_->PassOverWaiting();
+      }
+      parts_.records.metrics.AddStage("loops", loop_thread_->Finish());
+    }
   } catch (const std::exception& error) {
     live.end.failure = live.end.failure.empty() ? error.what() : live.end.failure;
   }

@@ -9,6 +9,7 @@
 
 #include "frame_source.h"
 #include "gluevo/vo/pipeline/live_pipeline.h"
+#include "gluevo/vo/pipeline/loop_thread.h"
 #include "live_record.h"
 #include "pose_publisher.h"
 #include "run_frames.h"
@@ -65,6 +66,7 @@ class LiveRun {
   LiveParts parts_;
   std::vector<LeftOut> left_out_;
   int64_t next_status_ns_ = 0;
+  std::optional<vo::LoopThread> loop_thread_;
   std::size_t loops_ = 0;          // That were closed so far.
   std::atomic<int64_t> late_ = 0;  // Frames that the source passed over.
   LiveRecord record_;

@@ -15,9 +15,13 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::
                     vo::MapCullingOptions& culling);
 void AddCullingOption(OptionGroup& group, vo::MapCullingOptions& culling);
 
-/// Maps are made of and used by loops: turns them on where one is asked for. Throws Error where
-/// they were turned off.
-void TurnOnForMaps(CLI::App& command, vo::LoopConfig& config,
-                   const std::filesystem::path& save_map);
+/// Once the command line is read: turns loops on where something asks for them (maps, a codebook
+/// and the adjustment are made of and used by loops), else where it is the default, unless they are
+/// turned off. Returns whether something asks. Throws Error where that contradicts --loops.
+bool SettleLoops(CLI::App& command, bool is_default, const std::filesystem::path& save_map,
+                 vo::LoopConfig& config);
+
+/// What the records of the run say, too.
+void SetLoops(CLI::App& command, bool is_on, vo::LoopConfig& config);
 
 }  // namespace gluevo::apps

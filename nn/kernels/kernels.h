@@ -212,6 +212,19 @@ struct SinkhornRows {
   int64_t row_end = 0;
 };
 
+/// out_i = sum_j a_j b_ij, exactly, of values from -127 to 127.
+struct ByteProducts {
+  const int8_t* a = nullptr;  ///< [size]
+  const int8_t* b = nullptr;  ///< [rows][size]
+  int64_t size = 0;           ///< A multiple of kByteBlock, at most kMaxBytes.
+  int64_t rows = 0;
+  int32_t* out = nullptr;  ///< [rows]
+};
+
+/// As wide as the widest register; and how many products of bytes are no larger than an int32_t.
+inline constexpr int64_t kByteBlock = 64;
+inline constexpr int64_t kMaxBytes = INT32_MAX / (127 * 127) / kByteBlock * kByteBlock;
+
 /// Bound of the relative error of the fast kernels' exponential: 1.8 units of 2^-24 of its
 /// polynomial, the rest of rounding.
 inline constexpr double kExpError = 6 * 0x1p-24;
@@ -230,6 +243,7 @@ struct Kernels {
   void (*detector_softmax)(const DetectorSoftmax&) = nullptr;
   void (*sinkhorn_exponentials)(const SinkhornExponentials&) = nullptr;
   void (*sinkhorn_rows)(const SinkhornRows&) = nullptr;
+  void (*byte_products)(const ByteProducts&) = nullptr;
   /// Floating-point operations a second of one thread that does nothing but multiply-adds on
   /// registers, over `seconds`: the peak that shares are quoted of.
   double (*peak_flops)(double seconds) = nullptr;

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "gluevo/nn/elements.h"
@@ -187,6 +188,12 @@ void ReferenceSinkhornRows(const SinkhornRows& p) {
   }
 }
 
+void ReferenceByteProducts(const ByteProducts& p) {
+  for (int64_t i = 0; i < p.rows; ++i) {
+    p.out[i] = std::inner_product(p.a, p.a + p.size, p.b + i * p.size, int32_t{0});
+  }
+}
+
 double ReferencePeakFlops(double seconds) {
   const auto start = std::chrono::steady_clock::now();
   double sum = 1.0;
@@ -216,6 +223,7 @@ const Kernels& ReferenceKernels() {
       .detector_softmax = ReferenceDetectorSoftmax,
       .sinkhorn_exponentials = ReferenceSinkhornExponentials,
       .sinkhorn_rows = ReferenceSinkhornRows,
+      .byte_products = ReferenceByteProducts,
       .peak_flops = ReferencePeakFlops,
       .peak_flops_bf16 = ReferencePeakFlops,
   };

@@ -11,6 +11,7 @@
 #include <chrono>
 
 #include "kernels/attention-inl.h"
+#include "kernels/bytes-inl.h"
 #include "kernels/conv3x3-inl.h"
 #include "kernels/matmul-inl.h"
 #include "kernels/sinkhorn-inl.h"
@@ -79,6 +80,7 @@ const Kernels& Table() {
       .detector_softmax = FastDetectorSoftmax,
       .sinkhorn_exponentials = FastSinkhornExponentials,
       .sinkhorn_rows = FastSinkhornRows,
+      .byte_products = FastByteProducts,
       .peak_flops = FastPeakFlops<float>,
       .peak_flops_bf16 = FastPeakFlops<Bf16Pair>,
   };

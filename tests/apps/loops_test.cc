@@ -32,12 +32,12 @@ TEST_F(LoopsTest, AFlightOfALapAndAHalfIsClosed) {
   // A lap takes 20 s.
   const std::string flight = Flight("30");
   const std::string run = "run " + flight + " --method klt -o ";
-  ASSERT_EQ(Run(run + Path("without")).exit_code, 0);
+  ASSERT_EQ(Run(run + Path("without") + " --loops off").exit_code, 0);
   EXPECT_FALSE(fs::exists(fs::path(Path("without")) / "trajectory_optimized.tum"));
   EXPECT_FALSE(Metrics("without").contains("loops"));
   EXPECT_EQ(Metrics("without")["options"]["loops"], "off");
 
-  const Outcome with = Run(run + Path("with") + " --loops on");
+  const Outcome with = Run(run + Path("with"));
   ASSERT_EQ(with.exit_code, 0) << with.error;
   EXPECT_NE(with.out.find("loops: "), std::string::npos) << with.out;
   const nlohmann::json metrics = Metrics("with");
@@ -52,6 +52,18 @@ TEST_F(LoopsTest, AFlightOfALapAndAHalfIsClosed) {
   };
   EXPECT_EQ(lines(Contents(fs::path(Path("with")) / "trajectory_optimized.tum")),
             lines(Contents(fs::path(Path("with")) / "trajectory.tum")));
+  EXPECT_EQ(metrics["options"]["loops"], "on");
+  EXPECT_EQ(metrics["option_origins"]["loops"], "default");
+  EXPECT_TRUE(metrics["stages_ms"].contains("loops"));
+
+  // In turn with tracking, and on more threads.
+  for (const std::string threads : {"1", "3"}) {
+    ASSERT_EQ(Run(run + Path("threads" + threads) + " --threads " + threads).exit_code, 0);
+    EXPECT_EQ(Contents(fs::path(Path("threads" + threads)) / "trajectory_optimized.tum"),
+              Contents(fs::path(Path("with")) / "trajectory_optimized.tum"));
+    EXPECT_EQ(Metrics("threads" + threads)["loops"], metrics["loops"]);
+    EXPECT_EQ(Metrics("threads" + threads)["loops_rejected"], metrics["loops_rejected"]);
+  }
 }
 
 TEST_F(LoopsTest, PlacesAreToldByTheWeightsTheyWereMadeWith) {
@@ -107,10 +119,31 @@ TEST_F(LoopsTest, AKidnappedRigIsFoundAgain) {
 }
 
 TEST_F(LoopsTest, FinalAdjustmentIsOfWhatLoopsKeep) {
-  const Outcome outcome =
-      Run("run " + Flight("1") + " --method klt --final-adjustment on -o " + Path("out"));
+  const Outcome outcome = Run("run " + Flight("1") +
+                              " --method klt --loops off --final-adjustment on -o " + Path("out"));
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.error.find("--loops on"), std::string::npos) << outcome.error;
+}
+
+TEST_F(LoopsTest, ARunThatCannotHaveThemSaysSoAndGoesOnUnlessTheyAreAskedFor) {
+  const std::string flight = Flight("1");
+  const std::string run = "run " + flight + " --method klt --superpoint " + Path("none") + " -o ";
+  const Outcome without = Run(run + Path("out"));
+  ASSERT_EQ(without.exit_code, 0) << without.error;
+  EXPECT_NE(without.error.find("loops are off: "), std::string::npos) << without.error;
+  EXPECT_NE(without.error.find(Path("none")), std::string::npos) << without.error;
+  EXPECT_EQ(Metrics("out")["options"]["loops"], "off");
+  EXPECT_FALSE(fs::exists(fs::path(Path("out")) / "trajectory_optimized.tum"));
+  EXPECT_EQ(Run(run + Path("out") + " --loops on").exit_code, 1);
+}
+
+TEST_F(LoopsTest, AnEmptyNameIsNoMap) {
+  const std::string run = "run " + Flight("1") + " --method klt -o " + Path("out");
+  for (const std::string option : {" --load-map", " --save-map", " --codebook"}) {
+    const Outcome outcome = Run(run + option + " ''");
+    EXPECT_NE(outcome.exit_code, 0) << option;
+    EXPECT_NE(outcome.error.find("expected a file, got \"\""), std::string::npos) << outcome.error;
+  }
 }
 
 TEST_F(LoopsTest, AReplayHasTheLoopsOfItsRun) {
@@ -123,6 +156,8 @@ TEST_F(LoopsTest, AReplayHasTheLoopsOfItsRun) {
   const Outcome outcome =
       Run("run " + flight + " -o " + Path("b") + " --loops on --replay " + matches);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+  ASSERT_EQ(Run("run " + flight + " -o " + Path("c") + " --replay " + matches).exit_code, 0);
+  EXPECT_EQ(Metrics("c")["options"]["loops"], "off");
   EXPECT_EQ(Contents(fs::path(Path("a")) / "trajectory_optimized.tum"),
             Contents(fs::path(Path("b")) / "trajectory_optimized.tum"));
 }

@@ -9,7 +9,7 @@ exec bash "$(dirname "$0")/sanitized_tests.sh" tsan \
   'nn_(.*_)?(superglue|superpoint)_test' \
   'vo_core_bounded_queue_test' \
   'vo_frontend_.*' \
-  'vo_pipeline_(live_pipeline|odometry_announce)_test' \
+  'vo_pipeline_(live_pipeline|loop_thread|odometry_announce)_test' \
   'vo_pipeline_end_to_end_test:*StandingStill*' \
   'apps_view_view_server_test' \
   'apps_live_test:*OwnPace*:*Signal*:*Beside*' \

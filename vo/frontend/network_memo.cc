@@ -27,16 +27,22 @@ ExtractorMemo::ExtractorMemo(std::unique_ptr<FeatureExtractor> extractor)
     : extractor_(std::move(extractor)) {}
 
 nn::Features ExtractorMemo::Extract(const cv::Mat& image) {
-  const auto known = std::find_if(newest_.begin(), newest_.end(), [&](const auto& remembered) {
-    return IsSame(remembered.first, image);
-  });
-  if (known != newest_.end()) {
-    return known->second;
+  if (std::optional<nn::Features> known = Known(image)) {
+    return *std::move(known);
   }
   nn::Features features = extractor_->Extract(image);
+  const std::lock_guard lock(mutex_);
   newest_.emplace_front(image.clone(), features);
   newest_.resize(std::min(newest_.size(), kImages));
   return features;
+}
+
+std::optional<nn::Features> ExtractorMemo::Known(const cv::Mat& image) const {
+  const std::lock_guard lock(mutex_);
+  const auto known = std::find_if(newest_.begin(), newest_.end(), [&](const auto& remembered) {
+    return IsSame(remembered.first, image);
+  });
+  return known == newest_.end() ? std::nullopt : std::optional(known->second);
 }
 
 nn::Features ExtractorMemo::Describe(const cv::Mat& image, const nn::Features::Points& pixels) {

@@ -4,21 +4,26 @@
 #include <bitset>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "gluevo/vo/core/reference_focal.h"
 
 namespace gluevo::vo::internal {
 
-void FindKeypoints(const StereoFrame& frame, const StereoRig& rig, FeatureExtractor& extractor,
-                   Matcher& matcher, float threshold, LoopKeyframe& keyframe) {
+void FindKeypoints(const StereoFrame& frame, KnownFeatures known, const StereoRig& rig,
+                   FeatureExtractor& extractor, Matcher& matcher, float threshold,
+                   LoopKeyframe& keyframe) {
   constexpr double kMaxEpipolarErrorPx = 3.0;
-  keyframe.features = extractor.Extract(frame.images[0]);
+  const auto find = [&](std::size_t side) {
+    return known[side] ? *std::move(known[side]) : extractor.Extract(frame.images[side]);
+  };
+  keyframe.features = find(0);
   nn::Features right;
   nn::Matches stereo;
   if (frame.images[1].empty()) {
     stereo.matches0.assign(static_cast<std::size_t>(keyframe.features.size()), -1);
   } else {
-    right = extractor.Extract(frame.images[1]);
+    right = find(1);
     stereo = matcher.Match(keyframe.features, right, threshold);
   }
   keyframe.keypoints = LocateKeypoints(rig, keyframe.features, right, stereo, kMaxEpipolarErrorPx);

@@ -10,9 +10,10 @@
 namespace gluevo::vo::internal {
 
 /// Fills in the keyframe's features and keypoints, with depths where the frame has a right image,
-/// too. `threshold`: confidence of a match, 0 to 1.
-void FindKeypoints(const StereoFrame& frame, const StereoRig& rig, FeatureExtractor& extractor,
-                   Matcher& matcher, float threshold, LoopKeyframe& keyframe);
+/// too. `known`: what the extractor would find. `threshold`: confidence of a match, 0 to 1.
+void FindKeypoints(const StereoFrame& frame, KnownFeatures known, const StereoRig& rig,
+                   FeatureExtractor& extractor, Matcher& matcher, float threshold,
+                   LoopKeyframe& keyframe);
 
 /// Of the sixteen fields of the image (4 x 4) how many hold one of these keypoints.
 int CountFields(const nn::Features& features, const std::vector<int>& keypoints);

@@ -28,14 +28,13 @@ void LoopCloser::Load(std::vector<LoopKeyframe> keyframes, std::vector<Loop> loo
   keyframes_ = std::move(keyframes);
   loops_ = std::move(loops);
   loaded_ = keyframes_.size();
-  places_.reserve(loaded_);
   for (const LoopKeyframe& keyframe : keyframes_) {
-    places_.push_back(codebook_.Describe(keyframe.features));
+    places_.Add(codebook_.Describe(keyframe.features));
   }
 }
 
 void LoopCloser::Add(LoopKeyframe keyframe) {
-  places_.push_back(codebook_.Describe(keyframe.features));
+  places_.Add(codebook_.Describe(keyframe.features));
   keyframes_.push_back(std::move(keyframe));
   Verify(FindCandidates());
 }
@@ -44,52 +43,51 @@ void LoopCloser::SetUp(int segment, const Eigen::Vector3d& up_in_world) {
   up_in_world_[segment] = up_in_world;
 }
 
-std::vector<LoopCloser::Candidate> LoopCloser::FindCandidates() const {
+std::size_t LoopCloser::CountOldEnough() const {
   const LoopKeyframe& query = keyframes_.back();
-  const Eigen::VectorXf& place = places_.back();
+  std::size_t count = keyframes_.size() - 1;
+  while (count > 0 && keyframes_[count - 1].segment == query.segment &&
+         SecondsBetween(keyframes_[count - 1].timestamp_ns, query.timestamp_ns) <
+             options_.min_age_s) {
+    --count;
+  }
+  return count;
+}
+
+std::vector<PlaceIndex::Similar> LoopCloser::FindCandidates() const {
+  const LoopKeyframe& query = keyframes_.back();
+  const Eigen::VectorXf& place = places_[places_.size() - 1];
   double least = options_.min_similarity;
   if (keyframes_.size() > 1 && keyframes_[keyframes_.size() - 2].segment == query.segment) {
     least = std::max<double>(
         least, options_.min_similarity_share * place.dot(places_[places_.size() - 2]));
   }
-  std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i + 1 < keyframes_.size(); ++i) {
-    const double age_s = SecondsBetween(keyframes_[i].timestamp_ns, query.timestamp_ns);
-    if (keyframes_[i].segment == query.segment && age_s < options_.min_age_s) {
-      break;
-    }
-    const double similarity = place.dot(places_[i]);
-    if (similarity >= least) {
-      candidates.push_back({i, similarity});
-    }
-  }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& x, const auto& y) { return x.similarity > y.similarity; });
-  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options_.max_candidates)));
+  std::vector<PlaceIndex::Similar> candidates = places_.MostSimilar(
+      place, CountOldEnough(), static_cast<std::size_t>(options_.max_candidates), least);
   // Where tracking was lost, or nearly so, the last place is the likeliest, whatever it looks like.
   const std::size_t last = keyframes_.size() - 2;
   if (keyframes_.size() > loaded_ + 1 &&
       (keyframes_[last].segment != query.segment || IsDoubtful(query.motion_covariance))) {
-    std::erase_if(candidates, [&](const Candidate& other) { return other.keyframe == last; });
+    std::erase_if(candidates, [&](const auto& other) { return other.place == last; });
     candidates.insert(candidates.begin(), {last, place.dot(places_[last])});
   }
   return candidates;
 }
 
-void LoopCloser::Verify(const std::vector<Candidate>& candidates) {
+void LoopCloser::Verify(const std::vector<PlaceIndex::Similar>& candidates) {
   const LoopKeyframe& query = keyframes_.back();
-  for (const Candidate& candidate : candidates) {
-    const LoopKeyframe& old = keyframes_[candidate.keyframe];
+  for (const PlaceIndex::Similar& candidate : candidates) {
+    const LoopKeyframe& old = keyframes_[candidate.place];
     const LoopCheck check = VerifyLoop(rig_, query, old, *matcher_, options_.verification);
     attempts_.push_back({.query_ns = query.timestamp_ns,
                          .candidate_ns = old.timestamp_ns,
-                         .is_of_loaded_map = candidate.keyframe < loaded_,
+                         .is_of_loaded_map = candidate.place < loaded_,
                          .similarity = candidate.similarity,
                          .matches = check.matches,
                          .inliers = check.inliers,
                          .reason = check.reason});
     if (check.measurement) {
-      Trust({candidate.keyframe, keyframes_.size() - 1, *check.measurement, check.inliers},
+      Trust({candidate.place, keyframes_.size() - 1, *check.measurement, check.inliers},
             attempts_.size() - 1);
       if (attempts_.back().is_closed) {
         return;

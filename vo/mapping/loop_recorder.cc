@@ -53,15 +53,16 @@ bool LoopRecorder::IsToBeKept(const FrameResult& result) const {
          IsLater(loaded_segments_ + result.segment, result.timestamp_ns);
 }
 
-void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig) {
+void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig,
+                       KnownFeatures known) {
   const int segment = loaded_segments_ + result.segment;
   const bool starts_segment = frames_.empty() || frames_.back().segment != segment;
   if (starts_segment) {
-    for (const Pending& last : pending_) {
+    for (Pending& last : pending_) {
       if (IsLater(segment - 1, last.result.timestamp_ns)) {
         since_kept_ =
             Compose(since_kept_, last.result.keyframe_from_body, last.result.motion_covariance);
-        Keep(last.frame, last.result, segment - 1, rig);
+        Keep(std::move(last), segment - 1, rig);
       }
     }
     since_kept_ = PoseCovariance::Zero();
@@ -80,10 +81,13 @@ void LoopRecorder::Add(const StereoFrame& frame, const FrameResult& result, cons
                               ? DoubtfulMotion(result.motion_covariance, result.keyframe_from_body)
                               : result.motion_covariance);
   }
+  if (frame.images[0].empty()) {
+    return;
+  }
   if (result.is_predicted) {
-    pending_.push_back({frame, result});
+    pending_.push_back({frame, result, std::move(known)});
   } else if (IsToBeKept(result)) {
-    Keep(frame, result, segment, rig);
+    Keep({frame, result, std::move(known)}, segment, rig);
   }
 }
 
@@ -110,14 +114,14 @@ void LoopRecorder::Revise(const Trajectory& window) {
   }
 }
 
-void LoopRecorder::Keep(const StereoFrame& frame, const FrameResult& result, int segment,
-                        const StereoRig& rig) {
+void LoopRecorder::Keep(Pending kept, int segment, const StereoRig& rig) {
+  const FrameResult& result = kept.result;
   LoopKeyframe keyframe{.timestamp_ns = result.timestamp_ns,
                         .segment = segment,
                         .world_from_body = result.world_from_body,
                         .motion_covariance = since_kept_};
-  internal::FindKeypoints(frame, rig, *extractor_, *matcher_, options_.verification.match_threshold,
-                          keyframe);
+  internal::FindKeypoints(kept.frame, std::move(kept.known), rig, *extractor_, *matcher_,
+                          options_.verification.match_threshold, keyframe);
   if (!revised_.empty() && closer_.keyframes().back().segment == segment) {
     keyframe.motion = revised_.back().Inverse() * result.world_from_body;
   }

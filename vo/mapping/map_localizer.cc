@@ -74,24 +74,16 @@ MapLocalizer::MapLocalizer(PlaceMap map, PlaceCodebook codebook,
       matcher_(std::move(matcher)),
       options_(options) {
   options_.Validate();
-  places_.reserve(map_.keyframes.size());
   for (const LoopKeyframe& keyframe : map_.keyframes) {
-    places_.push_back(codebook_.Describe(keyframe.features));
+    places_.Add(codebook_.Describe(keyframe.features));
   }
 }
 
 std::vector<std::size_t> MapLocalizer::MostSimilar(const Eigen::VectorXf& place) const {
-  std::vector<std::pair<float, std::size_t>> order;
-  order.reserve(places_.size());
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    order.emplace_back(-place.dot(places_[i]), i);
-  }
-  const std::size_t count =
-      std::min(order.size(), static_cast<std::size_t>(options_.max_candidates));
-  std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count), order.end());
-  std::vector<std::size_t> keyframes(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    keyframes[i] = order[i].second;
+  std::vector<std::size_t> keyframes;
+  for (const PlaceIndex::Similar& similar : places_.MostSimilar(
+           place, places_.size(), static_cast<std::size_t>(options_.max_candidates))) {
+    keyframes.push_back(similar.place);
   }
   return keyframes;
 }
@@ -242,7 +234,7 @@ void MapLocalizer::Decide(const Search& search, Localization& result) const {
 
 Localization MapLocalizer::Locate(const StereoFrame& frame, const StereoRig& rig) const {
   Search search{.rig = rig, .frame = {}, .tried = {}, .parts = {}};
-  internal::FindKeypoints(frame, rig, *extractor_, *matcher_, options_.match_threshold,
+  internal::FindKeypoints(frame, {}, rig, *extractor_, *matcher_, options_.match_threshold,
                           search.frame);
   const Eigen::VectorXf place = codebook_.Describe(search.frame.features);
   Localization result;

@@ -4,75 +4,17 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <memory>
-
-#include "gluevo/vo/frontend/network_matcher.h"
-#include "gluevo/vo/geometry/manifold.h"
-#include "gluevo/vo/mapping/place_training.h"
-#include "vo/mapping/loop_scene.h"
+#include "vo/mapping/recorder_scene.h"
 
 namespace gluevo::vo {
 namespace {
 
-constexpr int64_t kStepNs = 600'000'000;
-
-Rigid3 PlaceAt(int step) {
-  const double angle = 0.1 * step;
-  return {ExpSo3({0.0, 0.0, angle}), {1.5 * std::cos(angle), 1.5 * std::sin(angle), 0.1}};
-}
-
-// Images are of one pixel, which says what they show: twice the step, and one more on the right.
-class SceneExtractor final : public FeatureExtractor {
- public:
-  nn::Features Extract(const cv::Mat& image) override {
-    const int code = image.at<unsigned char>(0, 0);
-    const testing::StereoFeatures seen =
-        testing::Look(testing::SimulatedRig(), testing::RoomPoints(600, 4.0, 3), PlaceAt(code / 2));
-    return code % 2 == 0 ? seen.left : seen.right;
-  }
-  nn::Features Describe(const cv::Mat& image, const nn::Features::Points& /*pixels*/) override {
-    return Extract(image);
-  }
-};
-
-StereoFrame FrameAt(int step) {
-  return {step * kStepNs,
-          {cv::Mat(1, 1, CV_8UC1, cv::Scalar(2 * step)),
-           cv::Mat(1, 1, CV_8UC1, cv::Scalar(2 * step + 1))}};
-}
-
-// As odometry that is right has them, each a key frame.
-FrameResult Located(int step, int segment = 0) {
-  FrameResult result;
-  result.timestamp_ns = step * kStepNs;
-  result.world_from_body = PlaceAt(step);
-  result.is_keyframe = true;
-  result.segment = segment;
-  result.keyframe_from_body = PlaceAt(step - 1).Inverse() * PlaceAt(step);
-  result.motion_covariance.diagonal().setConstant(1e-4);
-  return result;
-}
-
-FrameResult Predicted(int step, int last_located) {
-  FrameResult result = Located(step);
-  result.is_keyframe = false;
-  result.is_predicted = true;
-  result.keyframe_from_body = PlaceAt(last_located).Inverse() * PlaceAt(step);
-  result.motion_covariance.diagonal().setConstant(1e-2);
-  return result;
-}
-
-LoopRecorder MakeRecorder() {
-  SceneExtractor extractor;
-  return {testing::SimulatedRig(),
-          TrainPlaceCodebook(
-              {extractor.Extract(FrameAt(0).images[0]), extractor.Extract(FrameAt(20).images[0])},
-              "", {.centres = 4}),
-          std::make_shared<SceneExtractor>(),
-          MakeNearestNeighborMatcher(),
-          {}};
-}
+using testing::FrameAt;
+using testing::kStepNs;
+using testing::Located;
+using testing::MakeRecorder;
+using testing::PlaceAt;
+using testing::Predicted;
 
 void Add(LoopRecorder& recorder, int step, const FrameResult& result) {
   recorder.Add(FrameAt(step), result, testing::SimulatedRig());

@@ -2,6 +2,8 @@
 
 #include <deque>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <utility>
 
 #include "gluevo/vo/frontend/matcher.h"
@@ -9,7 +11,7 @@
 namespace gluevo::vo {
 
 /// Remembers what an extractor found in the newest images, so that a second user of them has it for
-/// nothing: loops, after the front end. Not to be used from several threads at once.
+/// nothing: loops, after the front end.
 class ExtractorMemo final : public FeatureExtractor {
  public:
   explicit ExtractorMemo(std::unique_ptr<FeatureExtractor> extractor);
@@ -18,8 +20,12 @@ class ExtractorMemo final : public FeatureExtractor {
   nn::Features Extract(const cv::Mat& image) override;
   nn::Features Describe(const cv::Mat& image, const nn::Features::Points& pixels) override;
 
+  /// What Extract would give, where that is remembered. May be called while others extract.
+  std::optional<nn::Features> Known(const cv::Mat& image) const;
+
  private:
   std::unique_ptr<FeatureExtractor> extractor_;
+  mutable std::mutex mutex_;                             // Of what follows.
   std::deque<std::pair<cv::Mat, nn::Features>> newest_;  // With copies of the images.
 };
 

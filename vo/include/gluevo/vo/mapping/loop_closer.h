@@ -13,6 +13,7 @@
 #include "gluevo/vo/mapping/loop_keyframe.h"
 #include "gluevo/vo/mapping/loop_verification.h"
 #include "gluevo/vo/mapping/place_codebook.h"
+#include "gluevo/vo/mapping/place_index.h"
 #include "gluevo/vo/mapping/pose_graph.h"
 
 namespace gluevo::vo {
@@ -92,13 +93,10 @@ class LoopCloser {
   std::vector<Rigid3> Optimized() const;
 
  private:
-  struct Candidate {
-    std::size_t keyframe = 0;
-    double similarity = 0.0;
-  };
-
-  std::vector<Candidate> FindCandidates() const;
-  void Verify(const std::vector<Candidate>& candidates);
+  /// How many key frames, the oldest, the newest one may come back to.
+  std::size_t CountOldEnough() const;
+  std::vector<PlaceIndex::Similar> FindCandidates() const;
+  void Verify(const std::vector<PlaceIndex::Similar>& candidates);
   void Trust(const Loop& loop, std::size_t attempt);
 
   StereoRig rig_;
@@ -107,7 +105,7 @@ class LoopCloser {
   LoopOptions options_;
   std::vector<LoopKeyframe> keyframes_;
   std::size_t loaded_ = 0;                      // Of them.
-  std::vector<Eigen::VectorXf> places_;         // One a key frame.
+  PlaceIndex places_;                           // One a key frame.
   std::map<int, Eigen::Vector3d> up_in_world_;  // Of segments.
   std::vector<LoopAttempt> attempts_;
   std::vector<Loop> loops_;

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "gluevo/nn/features.h"
@@ -20,6 +22,10 @@ struct StereoKeypoint {
   /// 1/m along the left camera's axis; 0 where the keypoint has no depth.
   double inverse_depth = 0.0;
 };
+
+/// What the network that loops use has found in a frame's images already; nothing where it has not
+/// run.
+using KnownFeatures = std::array<std::optional<nn::Features>, 2>;
 
 /// Of a motion that is doubtful (FrameResult::is_doubtful): it may be any of about this length. The
 /// turn tells such motions from others.

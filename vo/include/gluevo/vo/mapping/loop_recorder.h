@@ -22,8 +22,7 @@ namespace gluevo::vo {
 /// and at the end knows all poses better. Odometry itself goes on as it would without.
 class LoopRecorder {
  public:
-  /// `extractor` finds what the codebook knows; the front end's, if it has such a one, costs
-  /// nothing (ExtractorMemo). Throws Error for options out of their range.
+  /// `extractor` finds what the codebook knows. Throws Error for options out of their range.
   LoopRecorder(const StereoRig& rig, PlaceCodebook codebook,
                std::shared_ptr<FeatureExtractor> extractor, std::shared_ptr<Matcher> matcher,
                const LoopOptions& options);
@@ -32,8 +31,15 @@ class LoopRecorder {
   /// naming `map_name` where the map is of another rig.
   void Load(const PlaceMap& map, const std::string& map_name);
 
-  /// To be called after every frame. `rig`: Odometry's. Throws what the networks throw.
-  void Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig);
+  /// To be called after every frame; one without images is no place to come back to, but has a
+  /// pose. `rig`: Odometry's. `known`: what the extractor would find, of
+  /// the front end's, if it has such a one (ExtractorMemo). Throws what the networks throw.
+  void Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig,
+           KnownFeatures known = {});
+  /// Whether Add may look at the frame's images; of others none need be given.
+  static bool MayKeep(const FrameResult& result) {
+    return result.is_keyframe || result.is_predicted;
+  }
 
   const LoopCloser& closer() const { return closer_; }
 
@@ -57,16 +63,17 @@ class LoopRecorder {
     int segment = 0;  ///< Behind those of a loaded map.
   };
 
-  /// A frame whose pose was only predicted.
+  /// A frame that is kept, or may be: its pose was only predicted.
   struct Pending {
     StereoFrame frame;
     FrameResult result;
+    KnownFeatures known;
   };
 
   bool IsToBeKept(const FrameResult& result) const;
   bool IsLater(int segment, int64_t timestamp_ns) const;
   void Revise(const Trajectory& window);
-  void Keep(const StereoFrame& frame, const FrameResult& result, int segment, const StereoRig& rig);
+  void Keep(Pending kept, int segment, const StereoRig& rig);
 
   std::shared_ptr<FeatureExtractor> extractor_;
   std::shared_ptr<Matcher> matcher_;

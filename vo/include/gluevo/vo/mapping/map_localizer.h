@@ -14,6 +14,7 @@
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
 #include "gluevo/vo/mapping/place_codebook.h"
+#include "gluevo/vo/mapping/place_index.h"
 #include "gluevo/vo/mapping/place_map.h"
 
 namespace gluevo::vo {
@@ -104,7 +105,7 @@ class MapLocalizer {
   std::shared_ptr<FeatureExtractor> extractor_;
   std::shared_ptr<Matcher> matcher_;
   LocalizationOptions options_;
-  std::vector<Eigen::VectorXf> places_;  // One a key frame.
+  PlaceIndex places_;  // One a key frame.
 };
 
 }  // namespace gluevo::vo
