@@ -242,9 +242,9 @@ std::string RunMetrics::Summary(const Context& context) const {
        << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
        << " tracked (" << MedianMatches(&vo::FrameResult::inliers) << " fit), "
        << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";
-  const bool has_begun = context.imu && context.imu->begin;
   for (const std::string& sentence :
-       {has_begun ? InertialSentence(context) : std::string(), TextOfStereoCalibration(frames_)}) {
+       {IsStartOverdue(context) ? std::string() : InertialSentence(context),
+        TextOfStereoCalibration(frames_)}) {
     text << sentence << (sentence.empty() ? "" : "\n");
   }
   for (const std::string& warning : Warnings(context)) {

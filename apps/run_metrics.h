@@ -99,6 +99,8 @@ class RunMetrics {
   /// Moves the times of its stages to those of all frames.
   void KeepStages(vo::FrameResult& frame);
   int Resets() const;
+  /// Whether the inertial unit has not started though it had time to, which is warned of.
+  bool IsStartOverdue(const Context& context) const;
   /// How the inertial unit started, or why it has not; empty without one.
   std::string InertialSentence(const Context& context) const;
   double MedianMatches(int vo::FrameResult::*count) const;

@@ -71,10 +71,7 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
                        " where the inertial unit alone leads: the frames show nothing that was "
                        "seen before");
   }
-  // A start takes some seconds.
-  constexpr int64_t kLongNs = 10'000'000'000;
-  if (context.imu && !context.imu->begin && !frames_.empty() &&
-      frames_.back().timestamp_ns - frames_.front().timestamp_ns > kLongNs) {
+  if (IsStartOverdue(context)) {
     warnings.push_back(InertialSentence(context));
   }
   if (context.imu && !context.imu->clock_fault.empty()) {
@@ -94,6 +91,13 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
                        " times: poses of different segments are not linked");
   }
   return warnings;
+}
+
+bool RunMetrics::IsStartOverdue(const Context& context) const {
+  // A start takes some seconds.
+  constexpr int64_t kLongNs = 10'000'000'000;
+  return context.imu && !context.imu->begin && !frames_.empty() &&
+         frames_.back().timestamp_ns - frames_.front().timestamp_ns > kLongNs;
 }
 
 std::string RunMetrics::InertialSentence(const Context& context) const {

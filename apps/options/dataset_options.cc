@@ -58,6 +58,9 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
       {"kitti", vo::DatasetFormat::kKittiOdometry},
       {"kitti-raw", vo::DatasetFormat::kKittiRaw},
       {"plain", vo::DatasetFormat::kPlain}};
+  if (arguments.imu == "off" && !arguments.imu_calibration.empty()) {
+    throw CLI::ValidationError("--imu off uses no inertial unit, expected no --imu-calibration");
+  }
   vo::DatasetOptions options;
   if (const auto found = formats.find(arguments.format); found != formats.end()) {
     options.format = found->second;

@@ -72,6 +72,24 @@ TEST_F(ImuTest, IsUsedWhereTheDataSetHasOne) {
   EXPECT_NE(no_unit.exit_code, 0);
   EXPECT_NE(no_unit.error.find("--estimate-time-offset"), std::string::npos) << no_unit.error;
 
+  const Outcome no_use = Run(run + Path("no_use") + " --imu off --imu-calibration " + flight +
+                             "/mav0/imu0/sensor.yaml");
+  EXPECT_EQ(no_use.exit_code, 2);
+  EXPECT_NE(no_use.error.find("--imu off"), std::string::npos) << no_use.error;
+  EXPECT_NE(no_use.error.find("--imu-calibration"), std::string::npos) << no_use.error;
+
+  // Too short for a start.
+  const Outcome short_run = Run(run + Path("short") + " --count 4");
+  ASSERT_EQ(short_run.exit_code, 0) << short_run.error;
+  EXPECT_NE(short_run.out.find("The inertial unit has not started: "), std::string::npos)
+      << short_run.out;
+
+  fs::remove(fs::path(flight) / "mav0" / "imu0" / "data.csv");
+  const Outcome empty = Run(run + Path("empty") + " --count 4");
+  ASSERT_EQ(empty.exit_code, 0) << empty.error;
+  EXPECT_NE(empty.error.find("the inertial unit is not used: "), std::string::npos) << empty.error;
+  EXPECT_NE(empty.error.find("data.csv: no such file"), std::string::npos) << empty.error;
+
   fs::remove_all(fs::path(flight) / "mav0" / "imu0");
   const Outcome none = Run(run + Path("none") + " --imu on");
   EXPECT_NE(none.exit_code, 0);

@@ -132,6 +132,12 @@ void SlidingWindow::RemoveOutliers() {
   }
 }
 
+std::optional<Eigen::Vector3d> SlidingWindow::PointIn(const LandmarkView& anchor,
+                                                      const Eigen::Vector3d& point_in_world) const {
+  const Rigid3 world_from_cam = FrameOf(anchor).world_from_body * calibrated_rig_.body_from_cam[0];
+  return ToInverseDepth(world_from_cam.Inverse() * point_in_world);
+}
+
 void SlidingWindow::DropFrame(std::size_t index) {
   const int64_t frame_id = frames_[index].id;
   for (auto it = landmarks_.begin(); it != landmarks_.end();) {
@@ -153,9 +159,7 @@ void SlidingWindow::DropFrame(std::size_t index) {
       continue;
     }
     if (point_in_world) {
-      const Rigid3 world_from_cam =
-          FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0];
-      landmark.point = ToInverseDepth(world_from_cam.Inverse() * *point_in_world);
+      landmark.point = PointIn(landmark.views.front(), *point_in_world);
     }
     ++it;
   }

@@ -37,6 +37,9 @@ void SlidingWindow::MarginalizeOldest() {
       }
       it = Erase(it);
     } else {
+      if (has_inertia() && options_.marginalize && BeginsWithOldest(it->second)) {
+        LeaveAllButNewest(it->second);
+      }
       ++it;
     }
   }
@@ -44,9 +47,31 @@ void SlidingWindow::MarginalizeOldest() {
   prior_ = marginalizer.Eliminate(frames_.front().id);
 }
 
+bool SlidingWindow::BeginsWithOldest(const Landmark& landmark) const {
+  return landmark.point && landmark.views.front().frame_id == frames_.front().id;
+}
+
 bool SlidingWindow::LeavesWithOldest(const Landmark& landmark) const {
-  return landmark.point && landmark.views.front().frame_id == frames_.front().id &&
-         landmark.views.back().frame_id != frames_.back().id;
+  return BeginsWithOldest(landmark) && landmark.views.back().frame_id != frames_.back().id;
+}
+
+void SlidingWindow::LeaveAllButNewest(Landmark& landmark) {
+  // So few that nearly all counts in the prior, so many that they hold the newest poses by
+  // themselves.
+  constexpr std::ptrdiff_t kKept = 3;
+  if (static_cast<std::ptrdiff_t>(landmark.views.size()) <= kKept) {
+    return;
+  }
+  const auto first_kept = landmark.views.end() - kKept;
+  Landmark left = landmark;
+  left.views.erase(left.views.end() - kKept, left.views.end());
+  if (!IsAdjusted(left)) {
+    return;
+  }
+  AddToProblem(left);
+  const Eigen::Vector3d point_in_world = ToAnchoredPoint(landmark).InWorld();
+  landmark.views.erase(landmark.views.begin(), first_kept);
+  landmark.point = PointIn(landmark.views.front(), point_in_world);
 }
 
 Eigen::VectorXd SlidingWindow::Delta(const PosePrior& linearization) const {

@@ -17,9 +17,10 @@ void ViewsNoise::Learn(double mean_square, double freedom) {
 }
 
 double ViewsNoise::Factor() const {
-  // Views of one track err alike, so that together they say less than their residuals tell: squared
-  // errors of motions are up to twice what the window says (BENCHMARKS.md, covariance).
-  constexpr double kAlike = 1.4;
+  // Views of one track err alike, in its parts that are in the prior, too, so that together they
+  // say less than their residuals tell: squared errors of motions from frame to frame are up to
+  // twice what the window says (BENCHMARKS.md, covariance), of longer ones more.
+  constexpr double kAlike = 2.0;
   constexpr double kLeast = 0.1;
   constexpr double kMost = 10.0;
   return std::clamp(kAlike * std::sqrt(mean_square_), kLeast, kMost);

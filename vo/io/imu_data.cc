@@ -112,6 +112,12 @@ void AddImu(const DatasetOptions& options, const ImuFiles& files, Dataset& datas
                   ": the calibration of an inertial unit, but " + dataset.root.string() +
                   " has no readings of one");
     }
+    std::error_code ignored;
+    if (fs::is_directory(table.parent_path(), ignored)) {
+      dataset.imu = Refused(table, table.string() +
+                                       ": no such file, expected the readings of the inertial "
+                                       "unit whose folder is there");
+    }
     return;
   }
   try {

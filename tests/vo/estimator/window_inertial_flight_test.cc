@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <array>
+#include <cmath>
 
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "inertial_scene.h"
@@ -45,13 +46,15 @@ class WindowFlight {
     window_.MotionSinceKeyframe();
     window_.Slide();
   }
-  void Start(int64_t time_ns) {
+  void Start(int64_t time_ns, double gyroscope_bias_error = 0.001,
+             double gyroscope_bias_sigma = 0.001) {
     InertialStart start;
     start.gravity_in_world = TurnedGravity(flight_.gravity, {1.0 * kDegree, -0.7 * kDegree});
     start.bias = flight_.StateAt(time_ns).bias;
     start.bias.accelerometer += Eigen::Vector3d(0.05, -0.05, 0.03);
-    start.bias.gyroscope += Eigen::Vector3d(0.001, 0.001, -0.001);
-    start.covariance.diagonal() << Eigen::Vector3d::Constant(1e-6),
+    start.bias.gyroscope += gyroscope_bias_error * Eigen::Vector3d(1.0, 1.0, -1.0);
+    start.covariance.diagonal() << Eigen::Vector3d::Constant(gyroscope_bias_sigma *
+                                                             gyroscope_bias_sigma),
         Eigen::Vector3d::Constant(0.1 * 0.1), Eigen::Vector2d::Constant(kDegree * kDegree);
     window_.StartInertia(start, readings_);
   }
@@ -123,6 +126,22 @@ TEST(WindowInertialFlightTest, FindsBiasesAndGravityAndKnowsHowWell) {
   // Of how they belong together it is surer than it should be (2.5 measured): twice as large as
   // said at most.
   EXPECT_LT(together, 4.0);
+}
+
+// Of readings all stay when frames leave; so must what their views say.
+TEST(WindowInertialFlightTest, ViewsSetRightABiasThatBeganWrong) {
+  constexpr double kSurely = 0.0002;
+  constexpr int kFlights = 4;
+  double square = 0.0;
+  for (unsigned seed = 41; seed < 41 + kFlights; ++seed) {
+    WindowFlight flight(seed);
+    flight.Fly(15);
+    flight.Start(flight.newest_ns_, 0.001, kSurely);
+    flight.Fly(120);
+    square += flight.Errors().segment<3>(3).squaredNorm() / (3.0 * kFlights);
+  }
+  // 0.00023 measured; 0.00034 where views of tracks that go on are dropped with their frames.
+  EXPECT_LT(std::sqrt(square), 0.00028);
 }
 
 TEST(WindowInertialFlightTest, PredictsAsWellAsItSays) {

@@ -338,6 +338,9 @@ TEST_F(ImuDataTest, ABrokenUnitDoesNotSpoilTheImages) {
   ASSERT_TRUE(broken.imu);
   ExpectRefused(*broken.imu, "imu0/data.csv:1: names no turning rates");
   EXPECT_EQ(broken.entries.size(), 11U);
+  fs::remove(root / "mav0/imu0/data.csv");
+  ExpectRefused(*OpenDataset(root, {}).imu, "imu0/data.csv: no such file");
+
   AddImuTo(root, Samples(1));
   WriteText(root / "mav0/imu0/sensor.yaml", "rate_hz: 200\n");
   ExpectWarning(*OpenDataset(root, {}).imu, "the noise of EuRoC's unit (ADIS16448) is assumed");

@@ -193,9 +193,18 @@ class SlidingWindow {
   void TakeOver(const WindowProblem& problem);
   /// Puts into the prior what the landmarks say that are anchored in the oldest frame and no longer
   /// tracked, and removes them. Those that are tracked on keep their other views and so must not
-  /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4).
+  /// enter it: their views would count twice (Leutenegger et al. 2015, section 3.4). With an
+  /// inertial unit, of whose readings all stay, they are cut in two (LeaveAllButNewest).
   void MarginalizeOldest();
+  bool BeginsWithOldest(const Landmark& landmark) const;
   bool LeavesWithOldest(const Landmark& landmark) const;
+  /// Gives the problem a landmark that is tracked on with all views but the newest, which go on as
+  /// one of their own. Dropped one by one with their frames, the views of long tracks would be
+  /// outvoted by readings: biases would stay what the first seconds made of them.
+  void LeaveAllButNewest(Landmark& landmark);
+  /// As Landmark::point of a landmark with that anchor; nothing behind its camera.
+  std::optional<Eigen::Vector3d> PointIn(const LandmarkView& anchor,
+                                         const Eigen::Vector3d& point_in_world) const;
   void AddProblemTo(Marginalizer& marginalizer);
   /// How far the window is from there.
   Eigen::VectorXd Delta(const PosePrior& linearization) const;
