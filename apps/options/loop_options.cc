@@ -2,7 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "option_group.h"
 
 namespace gluevo::apps {
@@ -47,14 +47,15 @@ void TurnOnForMaps(CLI::App& command, vo::LoopConfig& config,
                    const std::filesystem::path& save_map) {
   const bool has_map = !save_map.empty() || !config.load_map.empty();
   if (config.has_final_adjustment && !config.is_on && !has_map) {
-    throw Error("--final-adjustment on is of what loops keep: expected --loops on");
+    throw OptionError("--final-adjustment on is of what loops keep: expected --loops on");
   }
   if (config.is_on || !has_map) {
     return;
   }
   CLI::Option* const loops = command.get_option("--loops");
   if (loops->count() > 0) {
-    throw Error("--loops off leaves nothing for --save-map and --load-map: expected --loops on");
+    throw OptionError(
+        "--loops off leaves nothing for --save-map and --load-map: expected --loops on");
   }
   config.is_on = true;
   loops->capture_default_str();  // What records of the run say.
