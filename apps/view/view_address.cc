@@ -4,6 +4,7 @@
 #include <random>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::apps {
 namespace {
@@ -52,7 +53,7 @@ ViewAddress ParseViewAddress(const std::string& text) {
   const bool has_port = host.size() < text.size();
   if (host.empty() ||
       (has_port && !ParsePort(std::string_view(text).substr(host.size() + 1), address.port))) {
-    throw Error("--view is " + Quoted(text) + "; expected PORT, ADDRESS or ADDRESS:PORT");
+    throw OptionError("--view is " + Quoted(text) + "; expected PORT, ADDRESS or ADDRESS:PORT");
   }
   address.host = host.front() == '[' && host.back() == ']' ? host.substr(1, host.size() - 2) : host;
   return address;
