@@ -221,7 +221,7 @@ TEST_F(OpenNetworksTest, ExtractAndMatch) {
         "--matcher lightglue --lightglue " + SaveLightGlue("d.safetensors", "disk")}) {
     const Outcome outcome = Run(match + options);
     EXPECT_EQ(outcome.exit_code, 0) << options << outcome.error;
-    EXPECT_EQ(outcome.out.substr(0, 7), "1 pairs") << outcome.out;
+    EXPECT_EQ(outcome.out.substr(0, 8), "1 pair, ") << outcome.out;
   }
   // SuperGlue is for others.
   ExpectRefused(match, "f.h5: pair \"000000.png\", \"000001.png\": descriptors of 64 values");
