@@ -19,8 +19,8 @@ using nn::Tensor;
 using RowMajor = nn::Features::RowMajor;
 
 cv::Mat Noise(int width, int height) {
-  const std::vector<uint8_t> pixels = nn::RandomPixels(width, height);
-  return cv::Mat(height, width, CV_8UC1, const_cast<uint8_t*>(pixels.data())).clone();
+  std::vector<uint8_t> pixels = nn::RandomPixels(width, height);
+  return cv::Mat(height, width, CV_8UC1, pixels.data()).clone();
 }
 
 nn::Features RandomFeatures(const BenchInputs& inputs, int descriptor_size, unsigned seed) {
