@@ -19,10 +19,12 @@
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/isa.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/peak_share.h"
 #include "gluevo/nn/random_weights.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/text.h"
 #include "json_text.h"
 #include "options/network_options.h"
 
@@ -49,7 +51,7 @@ struct BenchArguments {
 void ParseSize(const std::string& size, BenchInputs& inputs) {
   if (std::sscanf(size.c_str(), "%dx%d", &inputs.width, &inputs.height) != 2 || inputs.width < 8 ||
       inputs.height < 8 || inputs.width > 16384 || inputs.height > 16384) {
-    throw Error("size " + Quoted(size) + " is not WIDTHxHEIGHT of 8 to 16384 (--size)");
+    throw OptionError("size " + Quoted(size) + " is not WIDTHxHEIGHT of 8 to 16384 (--size)");
   }
 }
 
@@ -143,10 +145,11 @@ void Report(const BenchArguments& arguments, const vo::Networks& networks, const
     json["threads"] = threads;
     std::cout << JsonText(json);
   } else {
-    std::cout << arguments.network << ", " << isa << ", " << threads << " threads: median "
-              << median_ms << " ms, least " << times.front() << " ms, " << std::lround(gflops)
-              << " GFLOP/s, " << std::lround(100.0 * peak.share()) << "% of the measured peak of "
-              << std::lround(1e-9 * peak.peak_flops()) << " GFLOP/s\n";
+    std::cout << arguments.network << ", " << isa << ", " << vo::Counted(threads, "thread")
+              << ": median " << median_ms << " ms, least " << times.front() << " ms, "
+              << std::lround(gflops) << " GFLOP/s, " << std::lround(100.0 * peak.share())
+              << "% of the measured peak of " << std::lround(1e-9 * peak.peak_flops())
+              << " GFLOP/s\n";
   }
 }
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <memory>
 #include <opencv2/core/mat.hpp>
-#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/random_inputs.h"
 #include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::apps {
@@ -19,33 +19,12 @@ using nn::Tensor;
 using RowMajor = nn::Features::RowMajor;
 
 cv::Mat Noise(int width, int height) {
-  std::mt19937 generator(1);
-  cv::Mat image(height, width, CV_8UC1);
-  std::generate(image.begin<uchar>(), image.end<uchar>(),
-                [&] { return static_cast<uchar>(generator() % 256); });
-  return image;
+  std::vector<uint8_t> pixels = nn::RandomPixels(width, height);
+  return cv::Mat(height, width, CV_8UC1, pixels.data()).clone();
 }
 
-// What the networks compute does not depend on the values.
 nn::Features RandomFeatures(const BenchInputs& inputs, int descriptor_size, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
-  nn::Features features;
-  features.width = inputs.width;
-  features.height = inputs.height;
-  features.keypoints.resize(inputs.keypoints, 2);
-  features.scores.resize(inputs.keypoints);
-  features.descriptors.resize(inputs.keypoints, descriptor_size);
-  for (int i = 0; i < inputs.keypoints; ++i) {
-    features.keypoints.row(i) << uniform(generator) * static_cast<float>(inputs.width),
-        uniform(generator) * static_cast<float>(inputs.height);
-    features.scores[i] = uniform(generator);
-    for (int d = 0; d < descriptor_size; ++d) {
-      features.descriptors(i, d) = uniform(generator) - 0.5F;
-    }
-    features.descriptors.row(i).normalize();
-  }
-  return features;
+  return nn::RandomFeatures(inputs.keypoints, descriptor_size, inputs.width, inputs.height, seed);
 }
 
 nn::Features FeaturesOf(const nn::Weights& file, const std::string& image) {

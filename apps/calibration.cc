@@ -7,7 +7,6 @@
 #include <iomanip>
 #include <iostream>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -18,8 +17,10 @@
 #include "commands.h"
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/io/calibration.h"
 #include "gluevo/vo/io/output_directory.h"
 
@@ -46,12 +47,10 @@ std::optional<std::array<int, 2>> ParseImageSize(const std::string& text) {
   const bool is_read = static_cast<bool>(stream >> size[0] >> by >> size[1]) && stream.eof();
   if (!is_read || by != 'x' || size[0] < 1 || size[1] < 1 || size[0] > kLargest ||
       size[1] > kLargest) {
-    throw Error("--size " + text + " is not WIDTHxHEIGHT in pixels");
+    throw OptionError("--size " + text + " is not WIDTHxHEIGHT in pixels");
   }
   return size;
 }
-
-double Degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 
 // The angle between what is seen at the ends of the middle row, or column; nothing where one end is
 // beyond the lens.
@@ -67,7 +66,7 @@ std::string FieldOfView(const vo::Camera& camera, bool along_row) {
   }
   std::ostringstream text;
   text << std::fixed << std::setprecision(1)
-       << Degrees(std::acos(a.homogeneous().normalized().dot(b.homogeneous().normalized())));
+       << std::acos(a.homogeneous().normalized().dot(b.homogeneous().normalized())) / vo::kDegree;
   return text.str();
 }
 
@@ -104,7 +103,7 @@ void PrintCalibration(const vo::Calibration& calibration) {
   std::cout << std::setprecision(6) << "baseline: " << rig.baseline() << " m, the right camera at ("
             << right.x() << ", " << right.y() << ", " << right.z()
             << ") m from the left one (right, down, forward)\n"
-            << "rotation between them: " << Degrees(turn.angle()) << " degrees\n"
+            << "rotation between them: " << turn.angle() / vo::kDegree << " degrees\n"
             << "rectified: " << (vo::IsRectified(rig) ? "yes" : "no") << '\n'
             << "body: " << rig.body_frame << '\n';
   for (const std::string& note : calibration.notes) {
@@ -157,7 +156,7 @@ void CheckSize(const vo::Calibration& calibration, const std::array<int, 2>& ask
 
 void RunCalibration(const CalibrationArguments& arguments) {
   if (arguments.form.empty() != arguments.output.empty()) {
-    throw Error("--write and -o belong together: the form and where to write it");
+    throw OptionError("--write and -o belong together: the form and where to write it");
   }
   const std::optional<std::array<int, 2>> size = ParseImageSize(arguments.size);
   const vo::Calibration calibration = vo::ReadCalibration(arguments.files, size);

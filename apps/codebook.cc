@@ -13,6 +13,7 @@
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/image_file.h"
 #include "gluevo/vo/mapping/place_training.h"
 #include "interruption.h"
@@ -65,7 +66,8 @@ void MakeCodebook(const CodebookArguments& arguments) {
   const vo::PlaceCodebook codebook = vo::TrainPlaceCodebook(
       DescribeAll(images, *extractor), networks.records.front().checksum, arguments.training);
   vo::WritePlaceCodebook(arguments.output, codebook);
-  std::cout << images.size() << " images, " << codebook.centres().rows() << " centres of "
+  std::cout << vo::Counted(images.size(), "image") << ", "
+            << vo::Counted(codebook.centres().rows(), "centre") << " of "
             << codebook.descriptor_size() << " values: " << OneLine(arguments.output.string())
             << '\n';
 }

@@ -22,6 +22,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/evaluation/segment_evaluation.h"
 #include "gluevo/vo/evaluation/time_scale.h"
@@ -75,9 +76,7 @@ void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>&
             << "scale                       " << TextOfScale(evaluation, 6) << '\n'
             << "RPE, translation            " << rpe.translation << '\n'
             << "RPE, rotation               " << rpe.rotation << '\n'
-            << "RPE over " << std::left << std::setw(19)
-            << (std::to_string(options.rpe_frames) +
-                (options.rpe_frames == 1 ? " frame" : " frames"))
+            << "RPE over " << std::left << std::setw(19) << vo::Counted(options.rpe_frames, "frame")
             << TextOfRpeOverFrames(evaluation, 6) << '\n'
             << "correct motions             " << evaluation.correct_motions << " of "
             << evaluation.pairs - 1 << '\n'
@@ -87,13 +86,14 @@ void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>&
   }
   const vo::SegmentedEvaluation& segmented = segments->evaluation;
   std::cout << "segments                    " << segmented.segments.size() << ", "
-            << segmented.breaks << " declared breaks\n"
+            << vo::Counted(segmented.breaks, "declared break") << "\n"
             << "ATE within segments         " << segmented.ate_within_segments_m << " m, over "
-            << segmented.pairs_within_segments << " poses\n"
+            << vo::Counted(segmented.pairs_within_segments, "pose") << "\n"
             << "correct within segments     " << segmented.correct_motions << " of "
             << segmented.motions << '\n';
   for (const vo::SegmentedEvaluation::Segment& segment : segmented.segments) {
-    std::cout << "  segment " << std::setw(18) << segment.number << segment.pairs << " poses";
+    std::cout << "  segment " << std::setw(18) << segment.number
+              << vo::Counted(segment.pairs, "pose");
     if (segment.evaluation) {
       std::cout << ", ATE " << segment.evaluation->ate_se3_m << " m";
     }
@@ -159,7 +159,7 @@ void CheckRowsBelongTogether(const EvaluateArguments& arguments, const vo::Traje
                 "with --times, or number both");
   }
   if (!estimate.is_numbered && estimate.rows != groundtruth.rows) {
-    throw Error(first + " has " + std::to_string(estimate.rows) + " poses and " + second + " " +
+    throw Error(first + " has " + vo::Counted(estimate.rows, "pose") + " and " + second + " " +
                 std::to_string(groundtruth.rows) +
                 ": KITTI files without times belong together row by row");
   }

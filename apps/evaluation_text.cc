@@ -1,39 +1,29 @@
 #include "evaluation_text.h"
 
 #include <cmath>
-#include <iomanip>
-#include <sstream>
+
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::apps {
-namespace {
-
-std::string Fixed(double value, int decimals) {
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(decimals) << value;
-  return text.str();
-}
-
-}  // namespace
-
 RpeText TextOfRpe(const vo::Evaluation& evaluation, int percent_decimals, int degree_decimals) {
   if (!std::isfinite(evaluation.rpe_translation_percent)) {
     const std::string why = "none: the ground truth moves less than 0.5 m, the shortest length";
     return {why, why, false};
   }
-  return {Fixed(evaluation.rpe_translation_percent, percent_decimals) + " %",
-          Fixed(evaluation.rpe_rotation_deg_per_m, degree_decimals) + " deg/m", true};
+  return {vo::FixedText(evaluation.rpe_translation_percent, percent_decimals) + " %",
+          vo::FixedText(evaluation.rpe_rotation_deg_per_m, degree_decimals) + " deg/m", true};
 }
 
 std::string TextOfRpeOverFrames(const vo::Evaluation& evaluation, int decimals) {
   if (!std::isfinite(evaluation.rpe_frames_translation_m)) {
     return "none: fewer poses than that associate";
   }
-  return Fixed(evaluation.rpe_frames_translation_m, decimals) + " m, " +
-         Fixed(evaluation.rpe_frames_rotation_deg, decimals) + " deg";
+  return vo::FixedText(evaluation.rpe_frames_translation_m, decimals) + " m, " +
+         vo::FixedText(evaluation.rpe_frames_rotation_deg, decimals) + " deg";
 }
 
 std::string TextOfScale(const vo::Evaluation& evaluation, int decimals) {
-  return std::isfinite(evaluation.scale) ? Fixed(evaluation.scale, decimals)
+  return std::isfinite(evaluation.scale) ? vo::FixedText(evaluation.scale, decimals)
                                          : "none: one of both does not move";
 }
 

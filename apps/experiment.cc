@@ -65,7 +65,7 @@ void Experiment(const ExperimentArguments& arguments) {
     return;
   }
   const Interruption interruption;
-  vo::MakeOutputDirectory(arguments.output);
+  const vo::OutputDirectory output(arguments.output);
   for (const char* const name : kTables) {
     nn::CheckPlaceForFile(arguments.output / name);
   }

@@ -14,6 +14,7 @@
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "interruption.h"
@@ -62,10 +63,9 @@ std::optional<nn::Features> ExtractOrLeaveOut(const fs::path& file, int gray_bit
 
 void Report(const Remarks& remarks) {
   if (remarks.turned > 0) {
-    PrintMessage("gluevo: note",
-                 std::to_string(remarks.turned) +
-                     " images ask to be turned (EXIF), which is never done: the first is " +
-                     remarks.first_turned.string());
+    PrintMessage("gluevo: note", vo::Counted(remarks.turned, "image asks", "images ask") +
+                                     " to be turned (EXIF), which is never done: the first is " +
+                                     remarks.first_turned.string());
   }
 }
 
@@ -101,19 +101,19 @@ void Extract(const ExtractArguments& arguments) {
       }
       writer.Add(images[i].lexically_relative(arguments.images).generic_string(), *features);
       keypoints += static_cast<std::size_t>(features->size());
-      progress.Update(i + 1, std::to_string(features->size()) + " keypoints");
+      progress.Update(i + 1, vo::Counted(features->size(), "keypoint"));
     }
   }
   Report(remarks);
   if (remarks.left_out == images.size()) {
-    throw Error(arguments.images.string() + ": none of its " + std::to_string(images.size()) +
-                " images can be read");
+    throw Error(arguments.images.string() + ": none of its images can be read");
   }
   writer.Finish();
-  std::cout << images.size() - remarks.left_out << " images, " << keypoints
-            << " keypoints: " << OneLine(arguments.output.string()) << '\n';
+  std::cout << vo::Counted(images.size() - remarks.left_out, "image") << ", "
+            << vo::Counted(keypoints, "keypoint") << ": " << OneLine(arguments.output.string())
+            << '\n';
   if (remarks.left_out > 0) {
-    std::cout << remarks.left_out << " images that cannot be read are left out\n";
+    std::cout << vo::Counted(remarks.left_out, "image") << " that cannot be read left out\n";
   }
 }
 

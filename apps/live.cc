@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <opencv2/core/utility.hpp>
 #include <string>
 #include <vector>
 
@@ -14,6 +13,7 @@
 #include "distinct_outputs.h"
 #include "earlier_results.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/io/calibration.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "interruption.h"
@@ -115,18 +115,20 @@ bool IsCamera(const std::string& source) {
 void CheckArguments(const LiveArguments& arguments) {
   const bool is_camera = IsCamera(arguments.sources.front());
   if (arguments.sources.size() > 1 && (!is_camera || !IsCamera(arguments.sources.back()))) {
-    throw Error("two sources are left and right camera; expected one data set, got " +
-                Quoted(arguments.sources.front()) + " and " + Quoted(arguments.sources.back()));
+    throw OptionError("two sources are left and right camera; expected one data set, got " +
+                      Quoted(arguments.sources.front()) + " and " +
+                      Quoted(arguments.sources.back()));
   }
   if (is_camera && arguments.frames.calibration.empty()) {
-    throw Error("cameras have no calibration of their own; expected --calibration");
+    throw OptionError("cameras have no calibration of their own; expected --calibration");
   }
   const std::string& imu = arguments.frames.imu;
   if (is_camera && imu != "auto" && imu != "off") {
-    throw Error("--imu is " + Quoted(imu) + ", which is a data set's; expected off for cameras");
+    throw OptionError("--imu is " + Quoted(imu) +
+                      ", which is a data set's; expected off for cameras");
   }
   if (arguments.rounds > 1 && imu != "auto" && imu != "off") {
-    throw Error(
+    throw OptionError(
         "--rounds goes backwards, too, where no inertial unit is right; expected --imu off");
   }
   std::vector<fs::path> inputs = InputsOf(arguments);
@@ -186,7 +188,7 @@ std::unique_ptr<ViewFeed> MakeView(const LiveArguments& arguments, const RunSetu
                                    bool can_save) {
   if (!arguments.view) {
     if (!arguments.view_token.empty()) {
-      throw Error("--view-token is of a view; expected --view, too");
+      throw OptionError("--view-token is of a view; expected --view, too");
     }
     return nullptr;
   }
@@ -194,7 +196,7 @@ std::unique_ptr<ViewFeed> MakeView(const LiveArguments& arguments, const RunSetu
   if (arguments.view_token.find_first_not_of(
           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") !=
       std::string::npos) {
-    throw Error("--view-token is no part of an address; expected letters, digits, - and _");
+    throw OptionError("--view-token is no part of an address; expected letters, digits, - and _");
   }
   address.token = arguments.view_token.empty() && !address.is_loopback() ? MakeViewToken()
                                                                          : arguments.view_token;
@@ -213,7 +215,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   UseProcessors(arguments.processors);
   const int threads = ThreadsOf(arguments.config.threads);
   nn::ThreadPool pool(threads);
-  cv::setNumThreads(KernelThreads(arguments, threads));
+  UseKernelThreads(KernelThreads(arguments, threads));
 
   RunSetup setup;
   std::unique_ptr<CameraSource> cameras;
@@ -271,13 +273,8 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
       MakeContext(command, arguments, setup, records, run.odometry(), end, threads);
   context.live = run.record();
   context.frames_asked = played ? played->frames() : records.trajectory.size();
-  const std::string failure =
-      WriteOutputs(arguments.places, setup.dataset, arguments.sources.front(), records, context);
-  std::cerr << records.metrics.Summary(context)
-            << "results: " << OneLine(arguments.places.folder.string()) << '\n';
-  if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
-    throw Error(first);
-  }
+  FinishRun(arguments.places, setup.dataset, arguments.sources.front(), records, context,
+            std::cerr);
   records.metrics.CheckThatSomethingWasTracked(context);
 }
 

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <iomanip>
-#include <numbers>
 #include <ostream>
 #include <sstream>
 
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/angle.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/evaluation/evaluation.h"
 #include "gluevo/vo/io/trajectory_file.h"
 
@@ -60,8 +61,7 @@ void WriteRow(std::ostream& out, const LocalizedFrame& frame, const vo::PlaceMap
     for (const double value : pose.rotation.coeffs()) {
       out << ',' << value;
     }
-    out << ',' << result.position_sigma_m << ','
-        << result.rotation_sigma_rad * 180.0 / std::numbers::pi;
+    out << ',' << result.position_sigma_m << ',' << result.rotation_sigma_rad / vo::kDegree;
   } else {
     out << "not found,,,,,,,,,,";
   }
@@ -105,7 +105,7 @@ std::string SummaryOf(const std::vector<LocalizedFrame>& frames, const vo::Place
   const auto found = std::count_if(frames.begin(), frames.end(), IsFound);
   const vo::Trajectory poses = PosesInPart(frames, map.LargestPart());
   std::ostringstream text;
-  text << "found: " << found << " of " << frames.size() << " frames";
+  text << "found: " << found << " of " << vo::Counted(frames.size(), "frame");
   if (poses.size() != static_cast<std::size_t>(found)) {
     text << ", " << poses.size() << " of them in the map's largest part";
   }

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -24,6 +23,7 @@
 #include "options/dataset_options.h"
 #include "options/network_options.h"
 #include "options/option_group.h"
+#include "processors.h"
 #include "progress.h"
 
 namespace gluevo::apps {
@@ -125,7 +125,7 @@ void Localize(const LocalizeArguments& arguments) {
   const LocalizationFrames frames(arguments.frames, arguments.dataset, arguments.is_left_only,
                                   map.rig);
   nn::ThreadPool pool(arguments.threads);
-  cv::setNumThreads(pool.size());
+  UseKernelThreads(pool.size());
   const vo::MapLocalizer localizer =
       vo::MakeMapLocalizer(arguments.config, std::move(map), arguments.map.string(), pool);
   const vo::OutputDirectory output(arguments.output);

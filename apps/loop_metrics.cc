@@ -8,6 +8,7 @@
 
 #include "evaluation_json.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::apps {
 namespace {
@@ -165,11 +166,12 @@ std::string TextOfLoops(const LoopOutcome& loops) {
   std::ostringstream text;
   text << "loops: " << loops.closed << " closed of " << loops.attempts.size() << " tried";
   if (loops.segments_joined > 0) {
-    text << ", " << loops.segments_joined << " segments joined (" << loops.linked_frames
-         << " frames hang together)";
+    text << ", " << vo::Counted(loops.segments_joined, "segment") << " joined ("
+         << vo::Counted(loops.linked_frames, "frame") << " hang together)";
   }
   if (loops.frames_in_map) {
-    text << "; " << *loops.frames_in_map << " frames are in the map";
+    text << "; " << vo::Counted(*loops.frames_in_map, "frame")
+         << (*loops.frames_in_map == 1 ? " is" : " are") << " in the map";
   }
   if (loops.evaluation) {
     text << std::fixed << std::setprecision(4) << "; ATE with loops " << loops.evaluation->ate_se3_m
@@ -178,7 +180,7 @@ std::string TextOfLoops(const LoopOutcome& loops) {
   text << '\n';
   if (loops.quality && loops.quality->recall) {
     text << "places seen again: " << loops.quality->found << " of " << loops.quality->revisits
-         << " found, " << loops.quality->wrong << " wrong loops\n";
+         << " found, " << vo::Counted(loops.quality->wrong, "wrong loop") << "\n";
   }
   if (loops.adjustment) {
     text << "final adjustment: " << std::setprecision(3) << loops.adjustment->error_before_px

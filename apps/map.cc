@@ -5,7 +5,6 @@
 #include <iostream>
 #include <map>
 #include <memory>
-#include <opencv2/core/utility.hpp>
 #include <string>
 #include <vector>
 
@@ -15,6 +14,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/output_directory.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "gluevo/vo/mapping/map.h"
@@ -26,6 +26,7 @@
 #include "options/loop_options.h"
 #include "options/network_options.h"
 #include "options/option_group.h"
+#include "processors.h"
 
 namespace gluevo::apps {
 namespace {
@@ -51,13 +52,13 @@ void PrintInfo(const fs::path& path) {
             << OneLine(map.features.source) << "\n  SHA-256 " << OneLine(map.features.checksum)
             << "\ncameras: " << camera.width << " x " << camera.height << " px, baseline "
             << map.rig.baseline() << " m; poses of the " << OneLine(map.rig.body_frame) << '\n'
-            << "key frames: " << map.keyframes.size() << " with " << keypoints << " keypoints, "
-            << points << " of known depth\n"
+            << "key frames: " << map.keyframes.size() << " with "
+            << vo::Counted(keypoints, "keypoint") << ", " << points << " of known depth\n"
             << "loops: " << map.loops.size()
             << " (between key frames of the map: a run closes more where they are culled)\nparts:";
   for (const auto& [part, size] : parts) {
-    std::cout << (part == parts.begin()->first ? " " : ", ") << part << " (" << size
-              << " key frames)";
+    std::cout << (part == parts.begin()->first ? " " : ", ") << part << " ("
+              << vo::Counted(size, "key frame") << ")";
   }
   std::cout << (parts.empty() ? " none\n" : "\n");
   if (!map.keyframes.empty()) {
@@ -111,7 +112,7 @@ void Merge(const MergeArguments& arguments) {
   const vo::PlaceMap map = vo::ReadPlaceMap(arguments.map);
   const vo::PlaceMap more = vo::ReadPlaceMap(arguments.more);
   nn::ThreadPool pool(arguments.threads);
-  cv::setNumThreads(pool.size());
+  UseKernelThreads(pool.size());
   const vo::PlaceMap merged =
       vo::CullPlaceMap(vo::MergeMaps(arguments.config, arguments.loops, map, arguments.map.string(),
                                      more, arguments.more.string(), pool),

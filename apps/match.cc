@@ -16,6 +16,7 @@
 #include "distinct_outputs.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/replaced_file.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/frontend/feature_files.h"
 #include "gluevo/vo/io/image_file.h"
 #include "homography.h"
@@ -106,17 +107,19 @@ void MatchFile(const MatchArguments& arguments) {
       const nn::Matches matches = MatchNamed(*matcher, reader, pairs[i], arguments);
       writer.Add(name0, name1, matches);
       total += static_cast<std::size_t>(CountMatches(matches));
-      progress.Update(i + 1, std::to_string(CountMatches(matches)) + " matches");
+      progress.Update(i + 1, vo::Counted(CountMatches(matches), "match", "matches"));
     }
   }
   writer.Finish();
-  std::cout << pairs.size() << " pairs, " << total
-            << " matches: " << OneLine(arguments.output.string()) << '\n';
+  std::cout << vo::Counted(pairs.size(), "pair") << ", " << vo::Counted(total, "match", "matches")
+            << ": " << OneLine(arguments.output.string()) << '\n';
   if (list.repeated > 0) {
-    std::cout << list.repeated << " lines of the list repeat a pair, which is matched once\n";
+    std::cout << vo::Counted(list.repeated, "line of the list repeats", "lines of the list repeat")
+              << " a pair, which is matched once\n";
   }
   if (list.renamed > 0) {
-    std::cout << list.renamed << " pairs are stored under the names that the features have\n";
+    std::cout << vo::Counted(list.renamed, "pair is", "pairs are")
+              << " stored under the names that the features have\n";
   }
 }
 
@@ -186,8 +189,8 @@ void MatchImages(const MatchArguments& arguments) {
     std::cout << JsonText(json);
     return;
   }
-  std::cout << features0.size() << " and " << features1.size() << " keypoints, " << count
-            << " matches\n";
+  std::cout << features0.size() << " and " << features1.size() << " keypoints, "
+            << vo::Counted(count, "match", "matches") << "\n";
   if (right) {
     std::cout << *right << " right within " << arguments.max_error_px << " px, precision "
               << std::fixed << std::setprecision(3)

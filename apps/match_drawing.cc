@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/replaced_file.h"
 
@@ -50,7 +50,7 @@ void AddMark(std::vector<uchar>& bytes) {
 
 void CheckPlaceForDrawing(const std::filesystem::path& path) {
   if (!cv::haveImageWriter(path.string())) {
-    throw Error(path.string() + ": no image format with this ending (--draw), expected .png");
+    throw OptionError(path.string() + ": no image format with this ending (--draw), expected .png");
   }
   nn::CheckReplacesOnly(path, kMark, "a drawing of gluevo match in a PNG file");
   nn::CheckPlaceForFile(path);

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/whole_file.h"
 
 namespace gluevo::apps {
@@ -226,11 +227,12 @@ PairList ReadPairList(const fs::path& path, const std::vector<std::string>& imag
     }
   }
   if (!missing.empty()) {
-    throw Error(first_missing +
-                (missing.size() == 1 ? std::string()
-                                     : "; so it is with " + std::to_string(missing.size() - 1) +
-                                           " others of the list") +
-                "; nothing was matched");
+    throw Error(
+        first_missing +
+        (missing.size() == 1
+             ? std::string()
+             : "; so it is with " + vo::Counted(missing.size() - 1, "other") + " of the list") +
+        "; nothing was matched");
   }
   if (list.pairs.empty()) {
     throw Error(path.string() + ": no pairs");

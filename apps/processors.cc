@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
+#include <opencv2/core/utility.hpp>
 #include <set>
 #include <string_view>
 #include <system_error>
 #include <thread>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::apps {
 namespace {
@@ -45,12 +47,13 @@ std::vector<int> ParseProcessors(const std::string& text) {
     const int last =
         dash == std::string::npos ? first : Number(std::string_view(part).substr(dash + 1));
     if (first < 0 || last < first || last >= CPU_SETSIZE) {
-      throw Error("--cpus is " + Quoted(text) + "; expected numbers of processors as in 0,2-3");
+      throw OptionError("--cpus is " + Quoted(text) +
+                        "; expected numbers of processors as in 0,2-3");
     }
     for (int processor = first; processor <= last; ++processor) {
       if (!CPU_ISSET(processor, &usable)) {
-        throw Error("--cpus names processor " + std::to_string(processor) +
-                    "; expected one that is there and that this process may use");
+        throw OptionError("--cpus names processor " + std::to_string(processor) +
+                          "; expected one that is there and that this process may use");
       }
       processors.insert(processor);
     }
@@ -80,5 +83,7 @@ int ThreadsOf(int asked) {
   const cpu_set_t usable = UsableProcessors();
   return std::max(1, CPU_COUNT(&usable));
 }
+
+void UseKernelThreads(int threads) { cv::setNumThreads(std::min(threads, ThreadsOf(0))); }
 
 }  // namespace gluevo::apps

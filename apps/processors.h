@@ -16,4 +16,8 @@ void UseProcessors(const std::string& text);
 /// `asked`, or where that is 0 one for each processor that this thread may use.
 int ThreadsOf(int asked);
 
+/// OpenCV's kernels run on at most so many threads, and on no more than there are processors for:
+/// TBB below it would say of more, on standard error, that it does not start them.
+void UseKernelThreads(int threads);
+
 }  // namespace gluevo::apps

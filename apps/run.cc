@@ -5,7 +5,6 @@
 #include <iostream>
 #include <map>
 #include <memory>
-#include <opencv2/core/utility.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -157,11 +156,13 @@ void Run(OfflineArguments& arguments, CLI::App& command, const std::map<std::str
   UseProcessors(arguments.processors);
   const int threads = ThreadsOf(arguments.config.threads);
   nn::ThreadPool pool(threads);
-  cv::setNumThreads(KernelThreads(arguments, threads));
+  UseKernelThreads(KernelThreads(arguments, threads));
   RunSetup setup = SetUp(arguments, command, given, pool);
   const vo::OutputDirectory output(arguments.places.folder);
   std::optional<vo::OutputDirectory> map_output;
-  if (!arguments.places.map.empty()) {
+  std::error_code is_new;
+  if (!arguments.places.map.empty() &&
+      !fs::equivalent(arguments.places.map, arguments.places.folder, is_new)) {
     map_output.emplace(arguments.places.map);
   }
   CheckPlaces(arguments.places);
@@ -185,13 +186,8 @@ void Run(OfflineArguments& arguments, CLI::App& command, const std::map<std::str
   }
   const RunMetrics::Context context =
       MakeContext(command, arguments, setup, records, odometry, end, threads);
-  const std::string failure =
-      WriteOutputs(arguments.places, setup.dataset, arguments.dataset.string(), records, context);
-  std::cout << records.metrics.Summary(context)
-            << "results: " << OneLine(arguments.places.folder.string()) << '\n';
-  if (const std::string& first = end.failure.empty() ? failure : end.failure; !first.empty()) {
-    throw Error(first);
-  }
+  FinishRun(arguments.places, setup.dataset, arguments.dataset.string(), records, context,
+            std::cout);
   throw_where_interrupted();
   records.metrics.CheckThatSomethingWasTracked(context);
 }

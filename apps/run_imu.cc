@@ -1,10 +1,10 @@
 #include "run_imu.h"
 
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/median.h"
 #include "gluevo/vo/inertial/gravity.h"
 #include "gluevo/vo/inertial/poses_at_readings.h"
@@ -14,8 +14,6 @@ namespace gluevo::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 Json ToJson(const Eigen::Vector3d& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
@@ -80,7 +78,7 @@ Json ImuJson(const ImuRecord& record, const std::vector<vo::FrameResult>& frames
     json["initialised_at_s"] =
         1e-9 * static_cast<double>(record.begin->timestamp_ns - frames.front().timestamp_ns);
     json["initialised"] = record.begin->is_at_rest ? "at rest" : "in motion";
-    json["initial_gravity_sigma_deg"] = record.begin->gravity_sigma / kDegree;
+    json["initial_gravity_sigma_deg"] = record.begin->gravity_sigma / vo::kDegree;
   } else {
     json["waits_for"] = record.why_waiting;
   }
@@ -93,7 +91,7 @@ Json ImuJson(const ImuRecord& record, const std::vector<vo::FrameResult>& frames
   if (const vo::InertialEstimate* const newest =
           NewestEstimate(frames, &vo::FrameResult::inertial)) {
     json["gravity"] = ToJson(newest->gravity_in_world);
-    json["gravity_sigma_deg"] = newest->gravity_sigma / kDegree;
+    json["gravity_sigma_deg"] = newest->gravity_sigma / vo::kDegree;
     json["gyroscope_bias"] = ToJson(newest->bias.gyroscope);
     json["gyroscope_bias_sigma"] = newest->gyroscope_bias_sigma;
     json["accelerometer_bias"] = ToJson(newest->bias.accelerometer);

@@ -15,6 +15,7 @@
 #include "frame_metrics.h"
 #include "gluevo/nn/isa.h"
 #include "gluevo/nn/output_file.h"
+#include "gluevo/vo/core/text.h"
 #include "json_text.h"
 #include "report/processor.h"
 #include "stereo_calibration_metrics.h"
@@ -236,9 +237,8 @@ void RunMetrics::Write(const std::filesystem::path& path, const Context& context
 std::string RunMetrics::Summary(const Context& context) const {
   std::ostringstream text;
   text << std::fixed << std::setprecision(1);
-  text << frames_.size() << " frames, " << Resets() + 1
-       << (Resets() == 0 ? " segment" : " segments") << ", "
-       << static_cast<double>(frames_.size()) / std::max(Duration(), 1e-9)
+  text << vo::Counted(frames_.size(), "frame") << ", " << vo::Counted(Resets() + 1, "segment")
+       << ", " << static_cast<double>(frames_.size()) / std::max(Duration(), 1e-9)
        << " frames a second; median matches: " << MedianMatches(&vo::FrameResult::tracked)
        << " tracked (" << MedianMatches(&vo::FrameResult::inliers) << " fit), "
        << MedianMatches(&vo::FrameResult::stereo) << " stereo\n";

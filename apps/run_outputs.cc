@@ -3,10 +3,12 @@
 #include <exception>
 #include <map>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "command_line/message.h"
 #include "covariance_file.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
@@ -110,6 +112,39 @@ void WriteReport(const RunPlaces& places, const vo::Dataset& dataset, const std:
   WriteRunReport(places.folder / "report.html", report);
 }
 
+// The first failure; empty where there is none.
+std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
+                         const std::string& name, RunRecords& records,
+                         const RunMetrics::Context& context) {
+  std::string failure;
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const std::exception& error) {
+      failure = failure.empty() ? error.what() : failure;
+    }
+  };
+  attempt([&] { WriteTrajectories(places, dataset, records, context); });
+  attempt([&] {
+    WriteCovariances(places.folder / "covariance.csv", records.metrics.frames(),
+                     dataset.rig.body_frame);
+  });
+  attempt([&] { records.metrics.Write(places.folder / "metrics.json", context); });
+  attempt([&] { WriteReport(places, dataset, name, records, context); });
+  if (records.matches) {
+    attempt([&] { records.matches->Finish(); });
+  }
+  if (!places.saved_map.empty()) {
+    attempt([&] {
+      WritePlaces(places, records, context.loops->keyframe_poses, vo::FeaturesOf(context.weights));
+    });
+  }
+  if (records.map) {
+    attempt([&] { WriteMap(places.map, records); });
+  }
+  return failure;
+}
+
 }  // namespace
 
 std::vector<fs::path> OutputFiles(const RunPlaces& places) {
@@ -166,36 +201,14 @@ void WritePlaces(const RunPlaces& places, const RunRecords& records,
   vo::WritePlaceMap(places.saved_map, vo::CullPlaceMap(std::move(map), places.culling));
 }
 
-std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
-                         const std::string& name, RunRecords& records,
-                         const RunMetrics::Context& context) {
-  std::string failure;
-  const auto attempt = [&](const auto& write) {
-    try {
-      write();
-    } catch (const std::exception& error) {
-      failure = failure.empty() ? error.what() : failure;
-    }
-  };
-  attempt([&] { WriteTrajectories(places, dataset, records, context); });
-  attempt([&] {
-    WriteCovariances(places.folder / "covariance.csv", records.metrics.frames(),
-                     dataset.rig.body_frame);
-  });
-  attempt([&] { records.metrics.Write(places.folder / "metrics.json", context); });
-  attempt([&] { WriteReport(places, dataset, name, records, context); });
-  if (records.matches) {
-    attempt([&] { records.matches->Finish(); });
+void FinishRun(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
+               RunRecords& records, const RunMetrics::Context& context, std::ostream& out) {
+  const std::string failure = WriteOutputs(places, dataset, name, records, context);
+  out << records.metrics.Summary(context) << "results: " << OneLine(places.folder.string()) << '\n';
+  if (const std::string& first = context.failure.empty() ? failure : context.failure;
+      !first.empty()) {
+    throw Error(first);
   }
-  if (!places.saved_map.empty()) {
-    attempt([&] {
-      WritePlaces(places, records, context.loops->keyframe_poses, vo::FeaturesOf(context.weights));
-    });
-  }
-  if (records.map) {
-    attempt([&] { WriteMap(places.map, records); });
-  }
-  return failure;
 }
 
 }  // namespace gluevo::apps

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -37,10 +38,10 @@ void CheckPlaces(const RunPlaces& places);
 void WritePlaces(const RunPlaces& places, const RunRecords& records,
                  const std::vector<vo::Rigid3>& keyframe_poses, const vo::MapFeatures& features);
 
-/// Writes all that the run makes. Where one file cannot be written the others are; the first
-/// failure is returned, empty where there is none. `name`: the data set as the user named it.
-std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
-                         const std::string& name, RunRecords& records,
-                         const RunMetrics::Context& context);
+/// Ends a run: writes all that it makes, and tells `out` how it went. Where one file cannot be
+/// written the others are. Throws Error for what ended the run early, where something did, else for
+/// the first file that could not be written. `name`: the data set as the user named it.
+void FinishRun(const RunPlaces& places, const vo::Dataset& dataset, const std::string& name,
+               RunRecords& records, const RunMetrics::Context& context, std::ostream& out);
 
 }  // namespace gluevo::apps

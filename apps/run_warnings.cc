@@ -6,18 +6,11 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 #include "run_metrics.h"
 
 // What people are told about how a run went.
 namespace gluevo::apps {
-namespace {
-
-std::string Counted(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
-}  // namespace
-
 std::vector<std::string> RunMetrics::AllWarnings(const Context& context) const {
   std::vector<std::string> warnings = context.dataset_warnings;
   const std::vector<std::string> of_run = Warnings(context);
@@ -30,11 +23,11 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
   if (context.is_interrupted || !context.failure.empty()) {
     warnings.push_back((context.is_interrupted ? "interrupted" : "ended early") +
                        std::string(" after ") + std::to_string(frames_.size() + left_out_.size()) +
-                       " of " + Counted(context.frames_asked, "frame") +
+                       " of " + vo::Counted(context.frames_asked, "frame") +
                        (context.is_interrupted ? "" : ": " + context.failure));
   }
   if (!left_out_.empty()) {
-    warnings.push_back(Counted(left_out_.size(), "frame") +
+    warnings.push_back(vo::Counted(left_out_.size(), "frame") +
                        " left out that cannot be read, the first one: " + left_out_.front().why);
   }
   if (context.live) {
@@ -62,12 +55,12 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
         frames_.begin(), frames_.end(), [&](const vo::FrameResult& frame) { return frame.*flag; }));
   };
   if (const std::size_t predicted = count(&vo::FrameResult::is_predicted); predicted > 0) {
-    warnings.push_back(Counted(predicted, "pose") +
+    warnings.push_back(vo::Counted(predicted, "pose") +
                        " predicted from the motion before: the frames show nothing by which they "
                        "could be located");
   }
   if (const std::size_t bridged = count(&vo::FrameResult::is_bridged); bridged > 0) {
-    warnings.push_back(Counted(bridged, "pose") +
+    warnings.push_back(vo::Counted(bridged, "pose") +
                        " where the inertial unit alone leads: the frames show nothing that was "
                        "seen before");
   }
@@ -78,17 +71,17 @@ std::vector<std::string> RunMetrics::Warnings(const Context& context) const {
     warnings.push_back(context.imu->clock_fault + "; --estimate-time-offset makes up for it");
   }
   if (const std::size_t doubtful = count(&vo::FrameResult::is_doubtful); doubtful > 0) {
-    warnings.push_back(Counted(doubtful, "pose") +
+    warnings.push_back(vo::Counted(doubtful, "pose") +
                        " doubtful: less than half of what is seen agrees with them (does something "
                        "move that fills the view?)");
   }
   if (const std::size_t left_only = count(&vo::FrameResult::is_left_only); left_only > 0) {
-    warnings.push_back(Counted(left_only, "frame") +
+    warnings.push_back(vo::Counted(left_only, "frame") +
                        " located by the left camera alone: the right one shows next to nothing");
   }
   if (Resets() > 0) {
-    warnings.push_back("tracking was lost " + std::to_string(Resets()) +
-                       " times: poses of different segments are not linked");
+    warnings.push_back("tracking was lost " + vo::Counted(Resets(), "time") +
+                       ": poses of different segments are not linked");
   }
   return warnings;
 }
@@ -135,7 +128,7 @@ void RunMetrics::CheckThatSomethingWasTracked(const Context& context) const {
       std::any_of(frames_.begin(), frames_.end(),
                   [](const vo::FrameResult& frame) { return frame.inliers > 0; });
   if (frames_.size() > 1 && !is_located) {
-    throw Error("nothing was tracked over " + Counted(frames_.size(), "frame") +
+    throw Error("nothing was tracked over " + vo::Counted(frames_.size(), "frame") +
                 (context.causes.empty() ? "" : ": " + context.causes.front()));
   }
 }

@@ -5,14 +5,13 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
-#include <random>
 #include <vector>
 
 #include "gluevo/nn/aliked.h"
 #include "gluevo/nn/lightglue.h"
 #include "gluevo/nn/peak_share.h"
+#include "gluevo/nn/random_inputs.h"
 #include "gluevo/nn/random_weights.h"
 #include "gluevo/nn/superglue.h"
 #include "gluevo/nn/superpoint.h"
@@ -24,31 +23,9 @@ constexpr int kWidth = 752;
 constexpr int kHeight = 480;
 constexpr int kKeypoints = 500;
 
-std::vector<uint8_t> RandomPixels() {
-  std::mt19937 generator(1);
-  std::vector<uint8_t> pixels(kWidth * kHeight);
-  std::generate(pixels.begin(), pixels.end(),
-                [&] { return static_cast<uint8_t>(generator() % 256); });
-  return pixels;
-}
-
-// Features of random places, with random descriptors.
 std::array<Features, 2> RandomPair(int keypoints, int descriptor_size) {
-  std::mt19937 generator(1);
-  std::uniform_real_distribution<float> uniform(0.0F, 1.0F);
-  std::array<Features, 2> features;
-  for (Features& f : features) {
-    f.width = kWidth;
-    f.height = kHeight;
-    f.keypoints = Features::Points::NullaryExpr(keypoints, 2, [&](Eigen::Index, Eigen::Index axis) {
-      return uniform(generator) * static_cast<float>(axis == 0 ? kWidth : kHeight);
-    });
-    f.scores = Eigen::VectorXf::NullaryExpr(keypoints, [&] { return uniform(generator); });
-    f.descriptors = Features::RowMajor::NullaryExpr(keypoints, descriptor_size,
-                                                    [&] { return uniform(generator) - 0.5F; });
-    f.descriptors.rowwise().normalize();
-  }
-  return features;
+  return {RandomFeatures(keypoints, descriptor_size, kWidth, kHeight, 1),
+          RandomFeatures(keypoints, descriptor_size, kWidth, kHeight, 2)};
 }
 
 // Times a call of so many operations and tells its share of the peak.
@@ -68,7 +45,7 @@ void ExtractFeatures(benchmark::State& state) {
   const SuperPoint network(RandomSuperPointWeights());
   ThreadPool pool(threads);
   Workspace workspace(pool);
-  const std::vector<uint8_t> pixels = RandomPixels();
+  const std::vector<uint8_t> pixels = RandomPixels(kWidth, kHeight);
   Features features;
   Measure(state, Precision::kFloat, threads, network.Flops(kWidth, kHeight), [&] {
     network.Extract({pixels.data(), kWidth, kHeight, kWidth}, {.max_keypoints = kKeypoints},
@@ -82,7 +59,7 @@ void ExtractNarrow(benchmark::State& state) {
   const SuperPoint network(OpenSuperPointWeights());
   ThreadPool pool(threads);
   Workspace workspace(pool);
-  const std::vector<uint8_t> pixels = RandomPixels();
+  const std::vector<uint8_t> pixels = RandomPixels(kWidth, kHeight);
   Features features;
   Measure(state, Precision::kFloat, threads, network.Flops(kWidth, kHeight), [&] {
     network.Extract({pixels.data(), kWidth, kHeight, kWidth}, {.max_keypoints = kKeypoints},
@@ -95,7 +72,7 @@ void ExtractAliked(benchmark::State& state, const std::array<int64_t, 4>& widths
   const Aliked network(RandomAlikedWeights(widths, size));
   ThreadPool pool(threads);
   Workspace workspace(pool);
-  const std::vector<uint8_t> pixels = RandomPixels();
+  const std::vector<uint8_t> pixels = RandomPixels(kWidth, kHeight);
   Features features;
   // Whatever random weights score, as many keypoints.
   const AlikedOptions options = {.keypoint_threshold = 0.0F, .max_keypoints = kKeypoints};

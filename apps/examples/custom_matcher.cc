@@ -58,7 +58,7 @@ int main(int argc, char** argv) try {
   for (std::size_t i = 0; i < dataset.entries.size(); ++i) {
     result = odometry.Process(dataset.Read(i));
   }
-  std::printf("%zu frames, %d segments\n", dataset.entries.size(), result.segment + 1);
+  std::printf("frames: %zu, segments: %d\n", dataset.entries.size(), result.segment + 1);
   return 0;
 } catch (const gluevo::Error& error) {
   std::fprintf(stderr, "error: %s\n", error.what());

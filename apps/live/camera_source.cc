@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/seconds.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::apps {
 namespace {

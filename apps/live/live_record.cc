@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "gluevo/vo/core/text.h"
+
 namespace gluevo::apps {
 
 void AddLive(const LiveRecord& record, nlohmann::ordered_json& json) {
@@ -25,19 +27,19 @@ void AddLive(const LiveRecord& record, nlohmann::ordered_json& json) {
 
 std::vector<std::string> LiveWarnings(const LiveRecord& record) {
   std::vector<std::string> warnings;
-  const auto warn = [&](int64_t count, const std::string& what) {
+  const auto warn = [&](int64_t count, const std::string& noun, const std::string& what) {
     if (count > 0) {
-      warnings.push_back(std::to_string(count) + what);
+      warnings.push_back(vo::Counted(count, noun) + what);
     }
   };
   const vo::LiveStatistics& statistics = record.statistics;
-  warn(record.dropped(), " frames dropped: this machine is too slow for so many");
-  warn(statistics.frames_refused, " frames left out that the front end refused");
-  warn(record.source.frames_unpaired, " images of one camera without the other's");
-  warn(statistics.stamps_still, " frames left out whose stamps stood still");
-  warn(statistics.stamps_back, " frames left out whose stamps went back");
-  warn(statistics.clock_steps, " times a clock stepped: stamps went on as if it had not");
-  warn(record.source.cameras_gone, " times a camera was gone");
+  warn(record.dropped(), "frame", " dropped: this machine is too slow for so many");
+  warn(statistics.frames_refused, "frame", " left out that the front end refused");
+  warn(record.source.frames_unpaired, "image", " of one camera without the other's");
+  warn(statistics.stamps_still, "frame", " left out whose stamps stood still");
+  warn(statistics.stamps_back, "frame", " left out whose stamps went back");
+  warn(statistics.clock_steps, "time", " a clock stepped: stamps went on as if it had not");
+  warn(record.source.cameras_gone, "time", " a camera was gone");
   return warnings;
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::apps {
 namespace {
@@ -120,7 +121,7 @@ std::unique_ptr<LinePublisher> MakeUdpPublisher(const std::string& address) {
   if (host.empty() || port.empty() || port.size() > 5 ||
       port.find_first_not_of("0123456789") != std::string::npos || std::stoi(port) < 1 ||
       std::stoi(port) > 65535) {
-    throw Error("--udp is " + Quoted(address) + "; expected HOST:PORT");
+    throw OptionError("--udp is " + Quoted(address) + "; expected HOST:PORT");
   }
   addrinfo hints = {};
   hints.ai_socktype = SOCK_DGRAM;

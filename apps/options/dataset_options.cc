@@ -5,7 +5,7 @@
 
 #include "command_line/message.h"
 #include "command_line/value_checks.h"
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::apps {
 
@@ -66,8 +66,8 @@ vo::DatasetOptions MakeDatasetOptions(const DatasetArguments& arguments) {
     options.format = found->second;
   }
   if (arguments.calibration.size() > 2) {
-    throw Error("--calibration is given " + std::to_string(arguments.calibration.size()) +
-                " times, expected one file or two");
+    throw OptionError("--calibration is given " + std::to_string(arguments.calibration.size()) +
+                      " times, expected one file or two");
   }
   if (!arguments.calibration.empty()) {
     options.calibration = arguments.calibration.front();

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "command_line/value_checks.h"
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "option_group.h"
 
 namespace gluevo::apps {
@@ -56,10 +56,11 @@ bool SettleLoops(CLI::App& command, bool is_default, const std::filesystem::path
   const bool has_map = !save_map.empty() || !config.load_map.empty();
   const bool is_said = loops->count() > 0;
   if (is_said && !config.is_on && has_map) {
-    throw Error("--loops off leaves nothing for --save-map and --load-map: expected --loops on");
+    throw OptionError(
+        "--loops off leaves nothing for --save-map and --load-map: expected --loops on");
   }
   if (is_said && !config.is_on && config.has_final_adjustment) {
-    throw Error("--final-adjustment on is of what loops keep: expected --loops on");
+    throw OptionError("--final-adjustment on is of what loops keep: expected --loops on");
   }
   const bool is_asked = (is_said && config.is_on) || has_map || config.has_final_adjustment ||
                         command.get_option("--codebook")->count() > 0;

@@ -1,7 +1,7 @@
 #include <algorithm>
-#include <numbers>
 
 #include "frame_series.h"
+#include "gluevo/vo/core/angle.h"
 #include "markup.h"
 #include "sections.h"
 
@@ -28,7 +28,6 @@ std::string InertialSection(const RunReport& report) {
     return "";
   }
   using Estimate = vo::InertialEstimate;
-  constexpr double kPerRadian = 180.0 / std::numbers::pi;
   const auto chart = [&](const std::string& title, const std::string& unit,
                          const std::vector<Series>& series) {
     return DrawChart({.title = title,
@@ -60,7 +59,7 @@ std::string InertialSection(const RunReport& report) {
                     [](const Estimate& one) { return one.accelerometer_bias_sigma; })}) +
       chart("How well gravity's direction is known", "1 sigma, deg",
             {series("", "third",
-                    [](const Estimate& one) { return one.gravity_sigma * kPerRadian; })}) +
+                    [](const Estimate& one) { return one.gravity_sigma / vo::kDegree; })}) +
       chart("What readings contradict, in standard deviations", "rms",
             {series("gyroscope", "first", [](const Estimate& one) { return one.gyroscope_rms; }),
              series("accelerometer", "second",

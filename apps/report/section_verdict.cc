@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gluevo/vo/core/text.h"
 #include "markup.h"
 #include "sections.h"
 
@@ -83,12 +84,12 @@ std::string VerdictSection(const RunReport& report) {
     html += ErrorTiles(*report.evaluation);
   }
   html += Tile("Speed", Fixed(frames / std::max(report.duration_s, 1e-9), 1), "frames/s",
-               std::to_string(report.threads) + (report.threads == 1 ? " thread" : " threads"));
+               vo::Counted(report.threads, "thread"));
   html += Tile("Resets", std::to_string(resets), "",
                resets == 0 ? "one segment" : std::to_string(resets + 1) + " segments, not linked",
                resets > 0);
   html += Tile("Key frames", std::to_string(keyframes), "",
-               "of " + std::to_string(report.frames.size()) + " frames");
+               "of " + vo::Counted(report.frames.size(), "frame"));
   html += "</dl>\n";
   for (const std::string& warning : report.warnings) {
     html += "<p class=\"notice warn\">" + Escape(warning) + "</p>\n";

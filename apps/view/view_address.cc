@@ -6,6 +6,7 @@
 #include <random>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::apps {
 namespace {
@@ -18,7 +19,7 @@ bool IsNumber(std::string_view text) {
 uint16_t ParsePort(std::string_view number, const std::string& view) {
   uint16_t port = 0;
   if (std::from_chars(number.data(), number.data() + number.size(), port).ec != std::errc()) {
-    throw Error("--view is " + Quoted(view) + "; expected a port up to 65535");
+    throw OptionError("--view is " + Quoted(view) + "; expected a port up to 65535");
   }
   return port;
 }
@@ -71,8 +72,8 @@ ViewAddress ParseViewAddress(const std::string& text) {
   const bool has_port = host.size() < text.size();
   const std::string_view port = std::string_view(text).substr(host.size() + (has_port ? 1 : 0));
   if (host.empty() || (has_port && !IsNumber(port))) {
-    throw Error("--view is " + Quoted(text) +
-                "; expected PORT, ADDRESS or ADDRESS:PORT, as in 8080 or 0.0.0.0:8080");
+    throw OptionError("--view is " + Quoted(text) +
+                      "; expected PORT, ADDRESS or ADDRESS:PORT, as in 8080 or 0.0.0.0:8080");
   }
   if (has_port) {
     address.port = ParsePort(port, text);

@@ -12,9 +12,12 @@ import numpy as np
 from . import agreement, cases, networks, report, rounds
 from .cases import GLUEVO, Case, Key, Outputs
 from .contestants import Contestant, Engine, Gluevo, reference
-from .engine import ENGINES
+from .engine import ENGINES, runs
 
 FOLDER = networks.ROOT / "build" / "compare_engines"
+DEFAULT_ENGINES = ["onnxruntime", "openvino", "ncnn"]
+# Others run in fp32 only.
+BF16_WORKS = (cases.SUPERPOINT, cases.SUPERGLUE)
 
 
 def parse_size(text: str) -> tuple[int, int]:
@@ -27,21 +30,21 @@ def parse_arguments() -> argparse.Namespace:
         prog="bench/compare_engines",
         description="How much faster gluevo runs its networks than inference engines, on this "
         "machine and in one run: prints Markdown. gluevo's SuperPoint goes from the image to "
-        "keypoints and descriptors, the engines' is the dense network alone; SuperGlue includes "
-        "100 Sinkhorn iterations. Without weights files, random weights of the published shapes.",
+        "keypoints and descriptors, the engines' is the dense network alone, and so with ALIKED; "
+        "SuperGlue includes 100 Sinkhorn iterations; LightGlue runs all layers. Without weights files, random weights of the published shapes.",
         formatter_class=argparse.ArgumentDefaultsHelpFormatter,
     )
     add = parser.add_argument
-    works = [cases.SUPERPOINT, cases.SUPERGLUE]
-    add("--work", nargs="+", choices=works, default=works)
-    add("--engines", nargs="+", choices=list(ENGINES), default=list(ENGINES))
+    add("--work", nargs="+", choices=cases.ALL, default=list(cases.ALL))
+    add("--engines", nargs="+", choices=list(ENGINES), default=DEFAULT_ENGINES)
     add("--precision", nargs="+", choices=["fp32", "bf16"], default=["fp32", "bf16"])
     add("--threads", nargs="+", type=int, default=[len(os.sched_getaffinity(0))])
-    add("--keypoints", nargs="+", type=int, default=[200, 500, 1024], help="for SuperGlue")
+    add("--keypoints", nargs="+", type=int, default=[200, 500, 1024], help="for SuperGlue and LightGlue")
     add("--size", type=parse_size, default="752x480", help="of the image, pixels")
-    add("--image", type=pathlib.Path, help="for SuperPoint, in place of a synthetic one")
+    add("--image", type=pathlib.Path, help="for SuperPoint and ALIKED, in place of a synthetic one")
     add("--superpoint", type=pathlib.Path, help="weights, .safetensors or .npz")
-    add("--superglue", type=pathlib.Path, help="weights, .safetensors or .npz")
+    for name in (cases.SUPERGLUE, cases.ALIKED, cases.LIGHTGLUE):
+        add(f"--{name}", type=pathlib.Path, help="weights, .safetensors or .npz")
     add("--rounds", type=int, default=15, help="that count")
     add(
         "--max-foreign",
@@ -88,6 +91,11 @@ def make_cases(arguments: argparse.Namespace) -> list[Case]:
     if cases.SUPERGLUE in arguments.work:
         for count in arguments.keypoints:
             made.append(cases.superglue(FOLDER, arguments.superglue, count, arguments.size))
+    if cases.ALIKED in arguments.work:
+        made.append(cases.aliked(FOLDER, arguments.aliked, arguments.image, arguments.size))
+    if cases.LIGHTGLUE in arguments.work:
+        for count in arguments.keypoints:
+            made.append(cases.lightglue(FOLDER, arguments.lightglue, count, arguments.size))
     return made
 
 
@@ -106,7 +114,7 @@ def make_contestants(
     for threads in arguments.threads:
         for engine in arguments.engines:
             for precision in precisions:
-                if precision not in ENGINES[engine].PRECISIONS:
+                if precision not in ENGINES[engine].PRECISIONS or not runs(engine, case):
                     continue
                 made = Engine(case, image, Key(engine, precision, threads), pause_s)
                 contestants.append(made)
@@ -123,7 +131,7 @@ def check(contestants: list[Contestant], expected: Outputs, case: Case) -> list[
     agreements = {}
     for contestant in contestants:
         key = contestant.key
-        agreements[key] = agreement.compare(contestant.outputs(), expected)
+        agreements[key] = agreement.compare(contestant.outputs(), expected, case.kind)
         if not agreements[key].within(key.precision):
             raise SystemExit(
                 f"{case.name}: {report.NAMES[key.engine]} {key.precision} differs from gluevo in "
@@ -157,17 +165,19 @@ def main() -> int:
         print(case.name, file=sys.stderr)
         expected = reference(arguments.gluevo, case, FOLDER)
         image = expected.pop("image", None)
-        contestants, more_notes = make_contestants(case, image, arguments, precisions)
+        shared = [p for p in precisions if p == "fp32" or case.kind in BF16_WORKS]
+        contestants, more_notes = make_contestants(case, image, arguments, shared)
         lines += check(contestants, expected, case)
         record = rounds.run(contestants, limits)
         for contestant in contestants:
             contestant.close()
-        for row in report.rows(case.name, record, arguments.engines, precisions, arguments.threads):
+        for row in report.rows(case.name, record, arguments.engines, shared, arguments.threads):
             print(row, flush=True)
         notes += more_notes
         notes.append(
             f"{case.name}: {len(record.times_ms)} rounds, others used at most "
-            f"{record.foreign:.2f} processors in them; {record.discarded} more discarded."
+            f"{record.foreign:.2f} processors in them; {record.discarded} more discarded. Least "
+            f"times: {report.least(record)}."
         )
         complete &= len(record.times_ms) == arguments.rounds
     print(report.EXPLANATION)

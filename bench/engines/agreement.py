@@ -5,7 +5,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from .cases import Key, Outputs
+from .cases import SUPERGLUE, SUPERPOINT, Key, Outputs
 from .networks import make_golden
 
 # Relative RMS. In fp32 either may err by what tests/nn/golden.h derives for whole networks, 300
@@ -31,15 +31,16 @@ class Agreement:
         return all(value <= bound for value, bound in pairs)  # NaN is not within.
 
 
-def compare(outputs: Outputs, expected: Outputs) -> Agreement:
-    """With gluevo's in fp32."""
+def compare(outputs: Outputs, expected: Outputs, kind: str) -> Agreement:
+    """With gluevo's in fp32; `kind` of the case."""
     differences = {name: _relative_rms(outputs[name], expected[name]) for name in outputs}
     confidence = None
     keypoints = None
     if "log_assignment" in expected:
-        pairs = [np.exp(o["log_assignment"][:-1, :-1]) for o in (outputs, expected)]
+        end = -1 if kind == SUPERGLUE else None  # Without its dustbins.
+        pairs = [np.exp(o["log_assignment"][:end, :end]) for o in (outputs, expected)]
         confidence = float(np.abs(pairs[0] - pairs[1]).max())
-    else:
+    elif kind == SUPERPOINT:
         found, wanted = (_best_keypoints(o["score_map"]) for o in (outputs, expected))
         keypoints = len(found & wanted) / len(wanted) if wanted else 1.0
     return Agreement(differences, confidence, keypoints)

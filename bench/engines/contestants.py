@@ -8,7 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from . import engine, networks
+from . import cases, engine, networks
 from .cases import Case, Key, Outputs
 
 COMPARED = ("score_map", "descriptor_map", "log_assignment")
@@ -29,12 +29,19 @@ class Contestant(Protocol):
 
 
 def reference(program: pathlib.Path, case: Case, folder: pathlib.Path) -> Outputs:
-    """What gluevo computes in fp32, and what it read: SuperPoint's "image", 0 to 255."""
+    """What gluevo computes in fp32, and what it read: an ImageCase's "image", 0 to 255."""
     output = folder / "gluevo_reference.safetensors"
     command = [str(program), "bench", "--rounds", "1", *case.gluevo_options()]
     command += ["--output", str(output)]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return dict(networks.read(output))
+    return _without_dustbins(dict(networks.read(output)), case)
+
+
+def _without_dustbins(outputs: Outputs, case: Case) -> Outputs:
+    """LightGlue's engines leave out what says that a keypoint has no match."""
+    if case.kind == cases.LIGHTGLUE:
+        outputs["log_assignment"] = outputs["log_assignment"][:-1, :-1]
+    return outputs
 
 
 class Gluevo:
@@ -42,6 +49,7 @@ class Gluevo:
 
     def __init__(self, program: pathlib.Path, case: Case, key: Key, folder: pathlib.Path) -> None:
         self.key = key
+        self._case = case
         self._output = folder / f"gluevo_{key.precision}_{key.threads}.safetensors"
         command = [str(program), "bench", "--on-request", *case.gluevo_options()]
         command += ["--threads", str(key.threads), "--output", str(self._output)]
@@ -65,7 +73,8 @@ class Gluevo:
     def outputs(self) -> Outputs:
         self.measure()  # The file is there before the first answer.
         tensors = networks.read(self._output)
-        return {name: tensors[name] for name in COMPARED if name in tensors}
+        outputs = {name: tensors[name] for name in COMPARED if name in tensors}
+        return _without_dustbins(outputs, self._case)
 
     def close(self) -> None:
         assert self._process.stdin is not None

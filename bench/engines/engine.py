@@ -7,14 +7,27 @@ from typing import Any
 
 import numpy as np
 
-from . import ncnn_engine, networks, onnxruntime_engine, openvino_engine
-from .cases import Case, Key, Outputs, SuperGlueCase, SuperPointCase
+from . import aliked, cases, ncnn_engine, networks, onnxruntime_engine, openvino_engine
+from .cases import Case, ImageCase, Key, MatchingCase, Outputs
 
 ENGINES: dict[str, ModuleType] = {
     "onnxruntime": onnxruntime_engine,
     "openvino": openvino_engine,
     "ncnn": ncnn_engine,
 }
+try:  # Only where it was asked for: with what it brings along it takes gigabytes.
+    from . import torch_engine
+
+    ENGINES["torch"] = torch_engine
+except ImportError:
+    pass
+
+# What an engine's module must have for a network.
+FUNCTIONS = {cases.SUPERGLUE: "graph_network"}
+
+
+def runs(engine: str, case: Case) -> bool:
+    return hasattr(ENGINES[engine], FUNCTIONS.get(case.kind, case.kind))
 
 
 class Engine:
@@ -52,16 +65,33 @@ class Engine:
 
 
 def make(case: Case, image: np.ndarray | None, key: Key, pause_s: float) -> Engine:
-    """`image` [height, width], 0 to 255, for SuperPoint."""
-    if isinstance(case, SuperGlueCase):
-        return _superglue(case, key, pause_s)
+    """`image` [height, width], 0 to 255, of an ImageCase."""
+    if isinstance(case, MatchingCase):
+        return (_superglue if case.kind == cases.SUPERGLUE else _lightglue)(case, key, pause_s)
     assert image is not None
-    return _superpoint(case, image, key, pause_s)
+    makes = _superpoint if case.kind == cases.SUPERPOINT else _aliked
+    return makes(case, image / np.float32(255), key, pause_s)
 
 
-def _superpoint(case: SuperPointCase, image: np.ndarray, key: Key, pause_s: float) -> Engine:
+def _aliked(case: ImageCase, image: np.ndarray, key: Key, pause_s: float) -> Engine:
     module = ENGINES[key.engine]
-    run = module.superpoint(case.weights, image / np.float32(255), key.precision, key.threads)
+    run = module.aliked(aliked.aliked(case.weights), image, key.precision, key.threads)
+
+    def to_outputs(results: Any) -> Outputs:
+        return {"score_map": np.squeeze(module.to_array(results[0]))}
+
+    return Engine([run], to_outputs, pause_s)
+
+
+def _lightglue(case: MatchingCase, key: Key, pause_s: float) -> Engine:
+    module = ENGINES[key.engine]
+    run = module.lightglue(case, key.precision, key.threads)
+    return Engine([run], lambda result: {"log_assignment": module.to_array(result)}, pause_s)
+
+
+def _superpoint(case: ImageCase, image: np.ndarray, key: Key, pause_s: float) -> Engine:
+    module = ENGINES[key.engine]
+    run = module.superpoint(case.weights, image, key.precision, key.threads)
 
     def to_outputs(results: Any) -> Outputs:
         logits, descriptors = (np.squeeze(module.to_array(value)) for value in results)
@@ -77,7 +107,7 @@ def _superpoint(case: SuperPointCase, image: np.ndarray, key: Key, pause_s: floa
     return Engine([run], to_outputs, pause_s)
 
 
-def _superglue(case: SuperGlueCase, key: Key, pause_s: float) -> Engine:
+def _superglue(case: MatchingCase, key: Key, pause_s: float) -> Engine:
     module = ENGINES[key.engine]
     graph = module.graph_network(case, key.precision, key.threads)
     if hasattr(module, "sinkhorn"):
@@ -95,7 +125,7 @@ def _superglue(case: SuperGlueCase, key: Key, pause_s: float) -> Engine:
 
 
 def _fastest_sinkhorn(
-    case: SuperGlueCase, threads: int, pause_s: float
+    case: MatchingCase, threads: int, pause_s: float
 ) -> tuple[ModuleType, Callable[..., Any]]:
     scores = np.zeros((case.count, case.count), np.float32)
     candidates = []

@@ -10,7 +10,7 @@ import ncnn
 import numpy as np
 
 from . import ncnn_models
-from .cases import SuperGlueCase
+from .cases import MatchingCase
 from .networks import Tensors
 
 NAME = "ncnn"
@@ -56,7 +56,7 @@ def superpoint(
     return _load(ncnn_models.superpoint(weights), {"image": image[None]}, precision, threads)
 
 
-def graph_network(case: SuperGlueCase, precision: str, threads: int) -> Callable[[], ncnn.Mat]:
+def graph_network(case: MatchingCase, precision: str, threads: int) -> Callable[[], ncnn.Mat]:
     inputs = dict(zip(ncnn_models.POINTS, case.points))
     inputs |= zip(ncnn_models.DESCRIPTORS, case.descriptors)
     run = _load(ncnn_models.superglue(case.network), inputs, precision, threads)

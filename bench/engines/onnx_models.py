@@ -1,4 +1,4 @@
-"""Both networks and Sinkhorn's algorithm as ONNX models of fixed size.
+"""SuperPoint, SuperGlue and Sinkhorn's algorithm as ONNX models of fixed size.
 
 The forms are the fastest of those tried in ONNX Runtime 1.32 and OpenVINO 2026.4: tokens as rows,
 each layer's three projections apart; in OpenVINO both images as one batch and attention from plain
@@ -48,7 +48,7 @@ class Graph:
         self._nodes.append(helper.make_node(operator, inputs, names, domain=domain, **attributes))
         return names
 
-    def model(self, outputs: dict[str, tuple[str, Sequence[int]]]) -> bytes:
+    def model(self, outputs: dict[str, tuple[str, Sequence[int]]], opset: int = OPSET) -> bytes:
         """`outputs`: of each name the value and its shape."""
         for name, (value, _) in outputs.items():
             self._nodes.append(helper.make_node("Identity", [value], [name]))
@@ -57,7 +57,7 @@ class Graph:
             for name, (_, shape) in outputs.items()
         ]
         graph = helper.make_graph(self._nodes, "graph", self._inputs, results, self._constants)
-        opsets = [helper.make_opsetid("", OPSET), helper.make_opsetid("com.microsoft", 1)]
+        opsets = [helper.make_opsetid("", opset), helper.make_opsetid("com.microsoft", 1)]
         model = helper.make_model(graph, opset_imports=opsets)
         model.ir_version = 10
         onnx.checker.check_model(model)
@@ -95,12 +95,12 @@ def superpoint(weights: Tensors, height: int, width: int) -> bytes:
 
 
 @dataclasses.dataclass(frozen=True)
-class SuperGlueForm:
+class Form:
     batched: bool  # Both images in one tensor.
     fused_attention: bool  # By ONNX Runtime's own operator.
 
 
-def superglue(network: SuperGlue, count: int, form: SuperGlueForm) -> bytes:
+def superglue(network: SuperGlue, count: int, form: Form) -> bytes:
     """The graph network: points [2, count, 3] (normalised x, y and score), descriptors
     [2, count, D] -> scores [count, count]."""
     graph = Graph()

@@ -6,8 +6,9 @@ import numpy as np
 import onnxruntime
 from onnxruntime import OrtValue
 
-from . import onnx_models
-from .cases import SuperGlueCase
+from . import onnx_models, onnx_open_models
+from .aliked import Aliked
+from .cases import MatchingCase
 from .networks import Tensors
 
 NAME = "ONNX Runtime"
@@ -35,14 +36,29 @@ def superpoint(
     return lambda: session.run_with_ort_values(["logits", "descriptors"], inputs)
 
 
-def graph_network(case: SuperGlueCase, precision: str, threads: int) -> Callable[[], OrtValue]:
-    form = onnx_models.SuperGlueForm(batched=False, fused_attention=True)
+def aliked(
+    network: Aliked, image: np.ndarray, precision: str, threads: int
+) -> Callable[[], list[OrtValue]]:
+    session = _load(onnx_open_models.aliked(network, *image.shape), threads)
+    inputs = {"image": _value(image[None, None])}
+    return lambda: session.run_with_ort_values(["score_map", "feature_map"], inputs)
+
+
+def lightglue(case: MatchingCase, precision: str, threads: int) -> Callable[[], OrtValue]:
+    form = onnx_models.Form(batched=False, fused_attention=True)
+    session = _load(onnx_open_models.lightglue(case.network, case.count, form), threads)
+    inputs = {"points": _value(case.points), "descriptors": _value(case.descriptors)}
+    return lambda: session.run_with_ort_values(["log_assignment"], inputs)[0]
+
+
+def graph_network(case: MatchingCase, precision: str, threads: int) -> Callable[[], OrtValue]:
+    form = onnx_models.Form(batched=False, fused_attention=True)
     session = _load(onnx_models.superglue(case.network, case.count, form), threads)
     inputs = {"points": _value(case.points), "descriptors": _value(case.descriptors)}
     return lambda: session.run_with_ort_values(["scores"], inputs)[0]
 
 
-def sinkhorn(case: SuperGlueCase, threads: int) -> Callable[[object], OrtValue]:
+def sinkhorn(case: MatchingCase, threads: int) -> Callable[[object], OrtValue]:
     session = _load(onnx_models.sinkhorn(case.count, case.network.dustbin), threads)
 
     def run(scores: object) -> OrtValue:

@@ -14,8 +14,8 @@ NAMES = {GLUEVO: "gluevo"} | {key: module.NAME for key, module in ENGINES.items(
 EXPLANATION = f"""
 An engine's column is its time over gluevo's in the same round: the median (least to most) of the
 rounds, above 1 where gluevo is faster; bold is the fastest engine. The last column is gluevo's time
-with one thread over its time with the row's. SuperPoint: gluevo goes from the image to keypoints
-and descriptors, the engines compute the dense network alone. SuperGlue: graph network and
+with one thread over its time with the row's. SuperPoint and ALIKED: gluevo goes from the image to
+keypoints and descriptors, the engines compute the dense network alone. SuperGlue: graph network and
 {SINKHORN_ITERATIONS} Sinkhorn iterations, which the engines do in the log domain with one
 exponential an entry and iteration.
 """
@@ -33,6 +33,18 @@ def _summary(values: Sequence[float], digits: int) -> str:
 
 def _ratios(record: Record, over: Key, under: Key) -> list[float]:
     return [times[over] / times[under] for times in record.times_ms]
+
+
+def least(record: Record) -> str:
+    """Of a busy machine: what each takes when nothing is in its way."""
+    measured = record.times_ms[0].keys() if record.times_ms else []
+    lows = {key: min(times[key] for times in record.times_ms) for key in measured}
+    parts = []
+    for key, low in lows.items():
+        ours = lows[Key(GLUEVO, key.precision, key.threads)]
+        over = "" if key.engine == GLUEVO else f" ({low / ours:.2f} times gluevo's)"
+        parts.append(f"{NAMES[key.engine]} {key.precision}, {key.threads} threads {low:.1f} ms{over}")
+    return "; ".join(parts)
 
 
 def header(engines: Sequence[str]) -> list[str]:

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "aliked_network.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/superpoint.h"
 
 namespace gluevo::nn {
@@ -60,12 +61,12 @@ float ScoreAt(TensorView<const float> scores, const Eigen::RowVector2f& position
 
 void AlikedOptions::Validate() const {
   if (!(keypoint_threshold >= 0.0F && keypoint_threshold < 1.0F)) {
-    throw Error("keypoint threshold " + std::to_string(keypoint_threshold) +
-                " is out of range: expected 0 or more and below 1");
+    throw OptionError("keypoint threshold " + std::to_string(keypoint_threshold) +
+                      " is out of range: expected 0 or more and below 1");
   }
   if (max_keypoints < 1) {
-    throw Error("maximum number of keypoints " + std::to_string(max_keypoints) +
-                " is out of range: expected at least 1");
+    throw OptionError("maximum number of keypoints " + std::to_string(max_keypoints) +
+                      " is out of range: expected at least 1");
   }
 }
 

@@ -5,17 +5,18 @@
 #include <string>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::nn {
 
 void NearestNeighborOptions::Validate() const {
   if (!(max_ratio > 0.0F && max_ratio <= 1.0F)) {
-    throw Error("nearest-neighbour ratio " + std::to_string(max_ratio) +
-                " is out of range: expected above 0 and at most 1");
+    throw OptionError("nearest-neighbour ratio " + std::to_string(max_ratio) +
+                      " is out of range: expected above 0 and at most 1");
   }
   if (!(min_similarity >= -1.0F && min_similarity <= 1.0F)) {
-    throw Error("nearest-neighbour similarity " + std::to_string(min_similarity) +
-                " is out of range: expected -1 to 1");
+    throw OptionError("nearest-neighbour similarity " + std::to_string(min_similarity) +
+                      " is out of range: expected -1 to 1");
   }
 }
 

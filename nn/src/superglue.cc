@@ -6,6 +6,7 @@
 #include <string>
 #include <variant>
 
+#include "gluevo/nn/option_error.h"
 #include "graph_network.h"
 #include "kernels/kernels.h"
 #include "sinkhorn.h"
@@ -41,12 +42,12 @@ struct SuperGlue::Network {
 
 void SuperGlueOptions::Validate() const {
   if (!(match_threshold >= 0.0F && match_threshold < 1.0F)) {
-    throw Error("match threshold " + std::to_string(match_threshold) +
-                " is out of range: expected 0 or more and below 1");
+    throw OptionError("match threshold " + std::to_string(match_threshold) +
+                      " is out of range: expected 0 or more and below 1");
   }
   if (sinkhorn_iterations < 1) {
-    throw Error("number of Sinkhorn iterations " + std::to_string(sinkhorn_iterations) +
-                " is out of range: expected at least 1");
+    throw OptionError("number of Sinkhorn iterations " + std::to_string(sinkhorn_iterations) +
+                      " is out of range: expected at least 1");
   }
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "descriptor_sampling.h"
+#include "gluevo/nn/option_error.h"
 #include "kernels/kernels.h"
 #include "kernels/winograd.h"
 #include "superpoint_layers.h"
@@ -41,19 +42,19 @@ float PeakOffset(TensorView<const float> scores, int64_t index, int64_t position
 
 void SuperPointOptions::Validate() const {
   if (!(keypoint_threshold >= 0.0F && keypoint_threshold < 1.0F)) {
-    throw Error("keypoint threshold " + std::to_string(keypoint_threshold) +
-                " is out of range: expected 0 or more and below 1");
+    throw OptionError("keypoint threshold " + std::to_string(keypoint_threshold) +
+                      " is out of range: expected 0 or more and below 1");
   }
   if (nms_radius < 0 || nms_radius > 64) {
-    throw Error("non-maximum suppression radius " + std::to_string(nms_radius) +
-                " is out of range: expected 0 to 64 pixels");
+    throw OptionError("non-maximum suppression radius " + std::to_string(nms_radius) +
+                      " is out of range: expected 0 to 64 pixels");
   }
   if (border < 0) {
-    throw Error("keypoint border " + std::to_string(border) + " is negative");
+    throw OptionError("keypoint border " + std::to_string(border) + " is negative");
   }
   if (max_keypoints < 1) {
-    throw Error("maximum number of keypoints " + std::to_string(max_keypoints) +
-                " is out of range: expected at least 1");
+    throw OptionError("maximum number of keypoints " + std::to_string(max_keypoints) +
+                      " is out of range: expected at least 1");
   }
 }
 

@@ -127,7 +127,7 @@ TEST_F(BenchTest, RefusesLayersThatCannotBe) {
     EXPECT_TRUE(outcome.out.empty()) << outcome.out;
   }
   const Outcome size = Run("bench --layers 18 --size 7x7");
-  EXPECT_EQ(size.exit_code, 1);
+  EXPECT_EQ(size.exit_code, 2);
   EXPECT_NE(size.error.find("--size"), std::string::npos) << size.error;
 }
 

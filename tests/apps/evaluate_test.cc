@@ -226,7 +226,7 @@ TEST_F(EvaluateTest, TakesKittiFiles) {
   const Outcome shorter =
       Run("evaluate " + Write("s.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n") + " " + kitti);
   EXPECT_EQ(shorter.exit_code, 1);
-  EXPECT_NE(shorter.error.find("has 1 poses"), std::string::npos) << shorter.error;
+  EXPECT_NE(shorter.error.find("has 1 pose "), std::string::npos) << shorter.error;
 }
 
 TEST_F(EvaluateTest, ReadsPipesOnce) {

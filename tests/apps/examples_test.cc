@@ -74,7 +74,7 @@ TEST_F(ExamplesTest, MatchImagesMatchesAnImageWithItself) {
 TEST_F(ExamplesTest, CustomMatcherKeepsTheFramesLinked) {
   const Outcome outcome = RunProgram(GLUEVO_EXAMPLES "custom_matcher", MakeFlight());
   ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
-  EXPECT_EQ(outcome.out, "8 frames, 1 segments\n");
+  EXPECT_EQ(outcome.out, "frames: 8, segments: 1\n");
 }
 
 }  // namespace

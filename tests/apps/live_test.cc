@@ -34,10 +34,11 @@ class LiveTest : public CommandTest {
   static std::ptrdiff_t Lines(const std::string& text) {
     return std::count(text.begin(), text.end(), '\n');
   }
-  void ExpectRefused(const std::string& arguments, const std::string& phrase) const {
+  void ExpectRefused(const std::string& arguments, const std::string& phrase,
+                     int exit_code = 1) const {
     SCOPED_TRACE(arguments);
     const Outcome outcome = Run("live " + arguments + " -o " + Path("out"));
-    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_EQ(outcome.exit_code, exit_code);
     EXPECT_EQ(outcome.out, "");
     const std::size_t message = outcome.error.find("gluevo: error: ");
     ASSERT_NE(message, std::string::npos) << outcome.error;
@@ -168,16 +169,18 @@ TEST_F(LiveTest, WhatCannotBeIsOneLine) {
           calibration + " -o " + Path("out"));
   EXPECT_EQ(broken.exit_code, 1);
   EXPECT_EQ(Lines(broken.error), 1) << broken.error;
-  ExpectRefused("/dev/video99", "expected --calibration");
+  ExpectRefused("/dev/video99", "expected --calibration", 2);
   ExpectRefused(Path("absent"), "absent: no such");
-  ExpectRefused(Flight() + " " + Flight(), "two sources are left and right camera");
-  ExpectRefused(Flight() + " --rounds 2 --imu on", "expected --imu off");
-  ExpectRefused("/dev/video99 --imu on --calibration " + calibration, "expected off for cameras");
-  ExpectRefused(Flight() + " --method klt --udp nowhere", "expected HOST:PORT");
+  ExpectRefused(Flight() + " " + Flight(), "two sources are left and right camera", 2);
+  ExpectRefused(Flight() + " --rounds 2 --imu on", "expected --imu off", 2);
+  ExpectRefused("/dev/video99 --imu on --calibration " + calibration, "expected off for cameras",
+                2);
+  ExpectRefused(Flight() + " --method klt --udp nowhere", "expected HOST:PORT", 2);
   ExpectRefused(Flight() + " --method klt --socket " + calibration, "is there and no socket");
-  ExpectRefused(Flight() + " --method klt --view nowhere:x", "expected PORT, ADDRESS or ADDRESS:");
+  ExpectRefused(Flight() + " --method klt --view nowhere:x",
+                "expected PORT, ADDRESS or ADDRESS:", 2);
   ExpectRefused(Flight() + " --method klt --view 192.0.2.1:0", "cannot be listened at");
-  ExpectRefused(Flight() + " --method klt --view-token x", "expected --view, too");
+  ExpectRefused(Flight() + " --method klt --view-token x", "expected --view, too", 2);
   EXPECT_EQ(Run("live " + Flight() + " --pace 0 -o " + Path("out")).exit_code, 2);
   EXPECT_EQ(Run("live " + Flight()).exit_code, 2);
 }

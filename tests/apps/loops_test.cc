@@ -121,7 +121,7 @@ TEST_F(LoopsTest, AKidnappedRigIsFoundAgain) {
 TEST_F(LoopsTest, FinalAdjustmentIsOfWhatLoopsKeep) {
   const Outcome outcome = Run("run " + Flight("1") +
                               " --method klt --loops off --final-adjustment on -o " + Path("out"));
-  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_NE(outcome.error.find("--loops on"), std::string::npos) << outcome.error;
 }
 

@@ -23,20 +23,20 @@ class SimulateTest : public CommandTest {
 };
 
 TEST_F(SimulateTest, BadOptionsGetOneClearLine) {
-  ExpectRefused("--duration 0", "duration");
-  ExpectRefused("--rate 1e9", "rate");
-  ExpectRefused("--width 10", "pixels");
-  ExpectRefused("--noise -1", "noise");
-  ExpectRefused("--light 2", "light");
-  ExpectRefused("--motion-blur 1000", "motion blur");
-  ExpectRefused("--exposure-change 9", "exposure");
-  ExpectRefused("--vignetting 2", "--vignetting");
+  ExpectRefused("--duration 0", "duration", 2);
+  ExpectRefused("--rate 1e9", "rate", 2);
+  ExpectRefused("--width 10", "pixels", 2);
+  ExpectRefused("--noise -1", "noise", 2);
+  ExpectRefused("--light 2", "light", 2);
+  ExpectRefused("--motion-blur 1000", "motion blur", 2);
+  ExpectRefused("--exposure-change 9", "exposure", 2);
+  ExpectRefused("--vignetting 2", "--vignetting", 2);
   ExpectRefused("--vignetting nan", "--vignetting", 2);
-  ExpectRefused("--start -2", "start");
-  ExpectRefused("--movers -2", "movers");
-  ExpectRefused("--movers 2 --movers-cover 0.8", "share");
-  ExpectRefused("--from-takeoff", "take-off");
-  ExpectRefused("--laps 2 --path hover", "no laps");
+  ExpectRefused("--start -2", "start", 2);
+  ExpectRefused("--movers -2", "movers", 2);
+  ExpectRefused("--movers 2 --movers-cover 0.8", "share", 2);
+  ExpectRefused("--from-takeoff", "take-off", 2);
+  ExpectRefused("--laps 2 --path hover", "no laps", 2);
   ExpectRefused("--laps 2 --duration 3", "--laps", 2);
   ExpectRefused("--trajectory " + Path("none.txt"), "none.txt");
   const std::string short_file = Write("short.txt", "1 0 0 0 0 0 0 1\n1.1 0 0 0 0 0 0 1\n");
@@ -48,7 +48,7 @@ TEST_F(SimulateTest, BadOptionsGetOneClearLine) {
   ExpectRefused("--path hover --trajectory " + still, "--trajectory", 2);
   ExpectRefused("--pairs 0", "--pairs", 2);
   ExpectRefused("--pairs 4 --path hover", "--pairs", 2);
-  ExpectRefused("--pairs 4 --width 20", "pixels");
+  ExpectRefused("--pairs 4 --width 20", "pixels", 2);
 }
 
 TEST_F(SimulateTest, MakesSequencesAndTrainingRooms) {

@@ -1,6 +1,9 @@
 // What a command line that asks for what there is not is answered: one line, and what was expected.
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <string>
@@ -90,8 +93,44 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
        {"--window 2", "--iterations 0", "--klt-corners 0", "--keyframe-parallax 0",
         "--max-epipolar-error 0", "--min-distance -1", "--recovery-keyframes -1", "--max-ratio 2",
         "--min-confirmed-share 2"}) {
-    ExpectRefused(run + option, 1, "(" + option.substr(0, option.find(' ')) + ")");
+    ExpectBadUsage(run + option, "(" + option.substr(0, option.find(' ')) + ")");
   }
+  ExpectBadUsage(run + "--loop-interval -1 --loops on", "(--loop-interval)");
+  ExpectBadUsage(run + "--final-adjustment on", "expected --loops on");
+  const std::string simulate = "simulate -o " + Path("other");
+  for (const std::string& command :
+       {simulate + " --duration 0", simulate + " --calibration-error 11", simulate + " --width 16",
+        simulate + " --path rest --laps 2", std::string("bench --size 7x7")}) {
+    const Outcome outcome = Run(command);
+    EXPECT_EQ(outcome.exit_code, 2) << command;
+    EXPECT_NE(outcome.error.find("; see gluevo "), std::string::npos) << outcome.error;
+  }
+}
+
+TEST_F(UsageTest, EmptyValuesAreNoValues) {
+  for (const std::string option :
+       {"--cpus", "--imu", "--load-map", "--save-map", "--calibration", "--groundtruth",
+        "--weights", "--map", "--replay", "--config", "-o"}) {
+    ExpectBadUsage("run data " + std::string(option == "-o" ? "" : "-o out ") + option + " ''",
+                   "expected a value that is not empty, got \"\"");
+  }
+  ExpectBadUsage("run '' -o out", "DATASET: expected a value that is not empty");
+  ExpectBadUsage("live data -o out --udp ''", "--udp: expected a value that is not empty");
+  ExpectBadUsage("extract images -o ''", "--output: expected a value that is not empty");
+}
+
+TEST_F(UsageTest, ResultsOfAnotherRunAreLeftToIt) {
+  ASSERT_EQ(
+      Run("simulate -o " + Path("flight") + " --duration 0.2 --rate 10 --width 96 --height 64")
+          .exit_code,
+      0);
+  fs::create_directory(Path("out"));
+  const int folder = open(Path("out").c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  ASSERT_GE(folder, 0);
+  ASSERT_EQ(flock(folder, LOCK_EX), 0);
+  ExpectRefused("run " + Path("flight") + " --method klt -o " + Path("out"), 1,
+                "another program is writing its results there");
+  close(folder);
 }
 
 TEST_F(UsageTest, ProcessorsAreThoseThatThereAre) {
@@ -101,12 +140,16 @@ TEST_F(UsageTest, ProcessorsAreThoseThatThereAre) {
       0);
   const std::string run = "run " + Path("flight") + " --method klt -o " + Path("out") + " --cpus ";
   for (const std::string wrong : {"x", "1-", "3-1", "0,,1", "0,"}) {
-    ExpectRefused(run + wrong, 1, "expected numbers of processors as in 0,2-3");
+    ExpectBadUsage(run + wrong, "expected numbers of processors as in 0,2-3");
   }
-  ExpectRefused(run + "1000", 1, "--cpus names processor 1000; expected one that is there");
+  ExpectBadUsage(run + "1000", "--cpus names processor 1000; expected one that is there");
   // One processor, and so one thread.
   EXPECT_NE(Run(run + "0").error.find("frame"), std::string::npos);
   EXPECT_NE(Contents(Path("out/metrics.json")).find("\"threads\": 1"), std::string::npos);
+  // More are as asked for, and TBB says nothing of it.
+  const Outcome more = Run(run + "0 --threads 3");
+  EXPECT_EQ(more.error.find("workers"), std::string::npos) << more.error;
+  EXPECT_NE(Contents(Path("out/metrics.json")).find("\"threads\": 3"), std::string::npos);
 }
 
 TEST_F(UsageTest, NamesDoNotSteerTheTerminal) {

@@ -11,7 +11,7 @@ many_files=24
 bash tests/gates/install.sh
 checks=
 if [ "${1:-}" = --all ]; then
-  files=$(git ls-files 'nn/*.cc' 'vo/*.cc' 'weights_tools/*.cc' 'apps/*.cc' 'tests/*.cc' 'bench/*.cc' |
+  files=$(git ls-files 'nn/*.cc' 'vo/*.cc' 'command_line/*.cc' 'weights_tools/*.cc' 'apps/*.cc' 'tests/*.cc' 'bench/*.cc' |
     grep -v '^tests/fuzz/\|^tests/install/')
 elif commit=$(git rev-parse --verify --quiet "${1:-HEAD~1}^{commit}"); then
   files=$(git diff --name-only "$commit" -- | bash tests/gates/affected_sources.sh)

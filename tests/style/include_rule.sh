@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
-# Who may include whom. Layers: apps -> vo -> nn, weights_tools -> nn. Rooms of vo: the table below.
+# Who may include whom. Layers: apps -> vo -> nn, weights_tools -> nn; both commands -> command_line.
+# Rooms of vo: the table below.
 # Names each line that goes against an arrow; exit code 1 if there is one. The folder that is
 # checked is the repository, or the argument (for the test of this test).
 set -euo pipefail
 cd "${1:-$(dirname "$0")/../..}"
 
-find nn vo weights_tools apps -name '*.cc' -o -name '*.h' | sort | xargs awk '
+find nn command_line vo weights_tools apps -name '*.cc' -o -name '*.h' | sort | xargs awk '
 BEGIN {
   # A room: the rooms and layers whose public headers it sees. nn_base: errors and whole files.
   sees["vo/core"] = "nn_base"
@@ -21,6 +22,7 @@ BEGIN {
   sees["vo/simulation"] = "nn_base core geometry io"
   sees["nn"] = "nn_base nn"
   sees["nn/base"] = "nn_base"
+  sees["command_line"] = "nn_base"
   sees["weights_tools"] = "nn_base nn weights_tools"
   sees["apps"] = "nn_base nn core geometry io evaluation frontend inertial estimator mapping pipeline doctor simulation"
 }
@@ -35,7 +37,7 @@ function room_of(header, parts) {
   split(header, parts, "/")
   if (parts[2] == "vo") return parts[3]
   if (parts[2] == "weights_tools") return "weights_tools"
-  return header ~ /^gluevo\/nn\/(error|output_file|replaced_file|stand_in)\.h$/ ? "nn_base" : "nn"
+  return header ~ /^gluevo\/nn\/(error|option_error|output_file|replaced_file|stand_in)\.h$/ ? "nn_base" : "nn"
 }
 
 function complain(why) {
@@ -51,6 +53,13 @@ function complain(why) {
     complain("a folder that the table of tests/style/include_rule.sh does not know: " home)
   } else if (home != "vo/" room && index(" " sees[home] " ", " " room " ") == 0) {
     complain(home " must not see " quoted[2])
+  }
+}
+
+# Of the commands alone.
+/^#include "command_line/ && !/"command_line\.h"/ {
+  if (home_of(FILENAME) !~ /^(apps|weights_tools|command_line)$/) {
+    complain(home_of(FILENAME) " must not see the command line")
   }
 }
 

@@ -7,7 +7,7 @@ bash include_rule.sh
 breach() {
   local file=$1 line=$2 folder
   folder=$(mktemp -d)
-  mkdir -p "$folder"/{nn,vo,weights_tools,apps} "$folder/$(dirname "$file")"
+  mkdir -p "$folder"/{nn,command_line,vo,weights_tools,apps} "$folder/$(dirname "$file")"
   printf '#pragma once\n%s\n' "$line" >"$folder/$file"
   if bash include_rule.sh "$folder" >"$folder/said" || ! grep -q "^$file:2: " "$folder/said"; then
     echo "not found: $line in $file"
@@ -24,5 +24,7 @@ breach vo/pipeline/x.cc '#include "gluevo/vo/simulation/simulation.h"'
 breach vo/pipeline/x.cc '#include "../io/text_file.h"'
 breach nn/src/x.cc '#include "gluevo/vo/core/rigid3.h"'
 breach weights_tools/src/x.cc '#include "gluevo/vo/core/rigid3.h"'
+breach command_line/x.cc '#include "gluevo/vo/core/rigid3.h"'
+breach nn/src/x.cc '#include "command_line/message.h"'
 breach apps/x.cc '#include "gluevo/weights_tools/convert.h"'
 breach vo/attic/x.cc '#include "gluevo/vo/core/rigid3.h"'

@@ -8,7 +8,7 @@ cd "${1:-$(dirname "$0")/../..}"
 largest_file=300
 largest_function=80
 
-mapfile -t sources < <(find nn vo weights_tools apps -type f \
+mapfile -t sources < <(find nn command_line vo weights_tools apps -type f \
   \( -name '*.cc' -o -name '*.h' -o -name '*.py' -o -name '*.sh' \) | sort)
 if [ "${#sources[@]}" -eq 0 ]; then
   echo "no sources in $PWD"

@@ -10,7 +10,7 @@ lines() { printf "$2%.0s" $(seq "$1"); }
 expect() {
   local folder said
   folder=$(mktemp -d)
-  mkdir -p "$folder"/{nn,vo,weights_tools,apps}
+  mkdir -p "$folder"/{nn,command_line,vo,weights_tools,apps}
   printf '%s' "$3" >"$folder/$2"
   said=$(bash lengths.sh "$folder" || true)
   rm -r "$folder"

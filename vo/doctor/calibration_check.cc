@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "checks.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/geometry/manifold.h"
 
 namespace gluevo::vo {
@@ -86,7 +87,8 @@ constexpr double kFewInFront = 0.5;
 bool IsGood(const Fit& fit) { return fit.in_front >= kMostInFront && fit.error_px <= kGoodError; }
 
 std::string Described(const Fit& fit) {
-  return Number(fit.error_px, 2) + " px and " + Number(100.0 * fit.in_front, 0) + " % in front";
+  return FixedText(fit.error_px, 2) + " px and " + FixedText(100.0 * fit.in_front, 0) +
+         " % in front";
 }
 
 /// A finding where the calibration does not fit and one simple mistake would explain it.
@@ -124,10 +126,10 @@ Finding CheckDepth(const Fit& fit) {
                      : fit.in_front >= kFewInFront ? Verdict::kSuspicious
                                                    : Verdict::kWrong,
                      "depth of matches",
-                     Number(100.0 * fit.in_front, 0) + " % in front of the cameras",
+                     FixedText(100.0 * fit.in_front, 0) + " % in front of the cameras",
                      "at least 80 %"};
   if (fit.inverse_depth > 0.0) {
-    finding.value += ", median " + Number(1.0 / fit.inverse_depth, 2) + " m away";
+    finding.value += ", median " + FixedText(1.0 / fit.inverse_depth, 2) + " m away";
   }
   return finding;
 }
@@ -139,10 +141,10 @@ Findings CheckCalibration(const StereoRig& rig,
   const Fit fit = FitOf(rig, matches, Supposition::kAsSaid);
   Findings findings;
   findings.push_back({UpTo(fit.error_px, kGoodError, kBadError), "epipolar error",
-                      Number(fit.error_px, 2) + " px (median)",
+                      FixedText(fit.error_px, 2) + " px (median)",
                       "up to 1 px: does the calibration belong to these images?"});
   findings.push_back({UpTo(std::abs(fit.offset_px), kGoodError, kBadError), "vertical offset",
-                      Number(fit.offset_px, 2) + " px (median)",
+                      FixedText(fit.offset_px, 2) + " px (median)",
                       "up to 1 px either way: are both images of one moment?"});
   findings.push_back(CheckDepth(fit));
   const Findings explanations = ExplainMisfit(rig, matches, fit);
@@ -161,10 +163,10 @@ Findings CheckPixels(const std::vector<std::vector<PixelMatch>>& matches) {
   }
   const double shift = Median(shifts);
   return {{shift >= 0.0 ? Verdict::kGood : Verdict::kSuspicious, "disparity",
-           Number(shift, 1) + " px (median)",
+           FixedText(shift, 1) + " px (median)",
            "above 0: things are further left in the right image; else left and right may be "
            "exchanged"},
-          {Verdict::kGood, "vertical offset", Number(Median(offsets), 1) + " px (median)", ""}};
+          {Verdict::kGood, "vertical offset", FixedText(Median(offsets), 1) + " px (median)", ""}};
 }
 
 Findings CheckRig(const StereoRig& rig) {
@@ -175,7 +177,7 @@ Findings CheckRig(const StereoRig& rig) {
   constexpr double kTooShort = 0.001;
   const double baseline = rig.baseline();
   Findings findings;
-  Finding finding = {Verdict::kGood, "baseline", Number(baseline, 3) + " m", "0.01 to 2 m"};
+  Finding finding = {Verdict::kGood, "baseline", FixedText(baseline, 3) + " m", "0.01 to 2 m"};
   if (baseline > kLong || baseline < kShort) {
     finding.verdict =
         baseline > kTooLong || baseline < kTooShort ? Verdict::kWrong : Verdict::kSuspicious;
@@ -187,8 +189,8 @@ Findings CheckRig(const StereoRig& rig) {
   const bool is_right = centre.x() > 0.7 * centre.norm();
   findings.push_back(
       {is_right ? Verdict::kGood : Verdict::kSuspicious, "right camera",
-       "at (" + Number(centre.x(), 3) + ", " + Number(centre.y(), 3) + ", " +
-           Number(centre.z(), 3) + ") m of the left one",
+       "at (" + FixedText(centre.x(), 3) + ", " + FixedText(centre.y(), 3) + ", " +
+           FixedText(centre.z(), 3) + ") m of the left one",
        "to the right (x): is the transform inverted, or are the cameras exchanged?"});
   constexpr const char* kSides[] = {"left camera", "right camera"};
   for (std::size_t side = 0; side < 2; ++side) {
@@ -202,8 +204,8 @@ Findings CheckRig(const StereoRig& rig) {
     findings.push_back({focal_fits && centre_fits ? Verdict::kGood : Verdict::kSuspicious,
                         kSides[side],
                         std::to_string(camera.width) + " x " + std::to_string(camera.height) +
-                            ", focal length " + Number(focal, 1) + ", centre " +
-                            Number(camera.cx, 1) + " " + Number(camera.cy, 1) + " px",
+                            ", focal length " + FixedText(focal, 1) + ", centre " +
+                            FixedText(camera.cx, 1) + " " + FixedText(camera.cy, 1) + " px",
                         "pixels alike in x and y, the centre in the middle half: is it the "
                         "calibration of another image size?"});
   }

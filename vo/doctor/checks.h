@@ -19,9 +19,6 @@ namespace gluevo::vo {
 
 using Findings = std::vector<Finding>;
 
-/// A number with so many decimals.
-std::string Number(double value, int decimals);
-
 /// A finding by two bars: good up to the first, suspicious up to the second, else wrong.
 Verdict UpTo(double value, double good, double suspicious);
 

@@ -1,10 +1,11 @@
 #include "gluevo/vo/doctor/doctor.h"
 
 #include <algorithm>
-#include <cstdio>
 
 #include "checks.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::vo {
@@ -65,7 +66,7 @@ void AddMatches(Samples& samples, Findings& findings) {
   findings.push_back({verdict, "matched features",
                       "in " + std::to_string(with_matches) + " of " +
                           std::to_string(samples.pairs.size()) + " pairs, median " +
-                          Number(Median(std::move(counts)), 0),
+                          FixedText(Median(std::move(counts)), 0),
                       "15 or more in most pairs: do both cameras see the same?"});
 }
 
@@ -180,12 +181,6 @@ std::string NameOf(Verdict verdict) {
   return "wrong";
 }
 
-std::string Number(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
-  return text;
-}
-
 Verdict UpTo(double value, double good, double suspicious) {
   if (value <= good) {
     return Verdict::kGood;
@@ -195,8 +190,8 @@ Verdict UpTo(double value, double good, double suspicious) {
 
 void DoctorOptions::Validate() const {
   if (pairs < 1) {
-    throw Error("number of pairs " + std::to_string(pairs) +
-                " is out of range: expected at least 1 (--pairs)");
+    throw OptionError("number of pairs " + std::to_string(pairs) +
+                      " is out of range: expected at least 1 (--pairs)");
   }
 }
 

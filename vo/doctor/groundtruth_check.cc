@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "checks.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
 
@@ -27,7 +28,7 @@ Findings CheckGroundtruth(const std::optional<Trajectory>& groundtruth,
                       : share > 0.0  ? Verdict::kSuspicious
                                      : Verdict::kWrong,
                       "ground truth",
-                      std::to_string(groundtruth->size()) + " poses, " + Number(share, 0) +
+                      std::to_string(groundtruth->size()) + " poses, " + FixedText(share, 0) +
                           " % of the frames have one within 0.01 s",
                       "half of them: are both of one clock and unit?"});
   double length = 0.0;
@@ -42,7 +43,7 @@ Findings CheckGroundtruth(const std::optional<Trajectory>& groundtruth,
   // Cars drive up to 50 m/s; a thousandth of a walk is a unit.
   constexpr double kFastest = 60.0;
   findings.push_back({UpTo(speed, kFastest, 300.0), "speed of the ground truth",
-                      Number(speed, 2) + " m/s over " + Number(length, 1) + " m",
+                      FixedText(speed, 2) + " m/s over " + FixedText(length, 1) + " m",
                       "up to 60 m/s: is it in metres?"});
   return findings;
 }

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "checks.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
 namespace {
@@ -92,19 +93,19 @@ Findings CheckLight(const std::array<std::vector<ImageFigures>, 2>& figures) {
     if (white > kMuchWhite && verdict == Verdict::kGood) {
       verdict = Verdict::kSuspicious;
     }
-    findings.push_back({verdict, std::string("light, ") + kSides[side],
-                        "mean " + Number(mean, 0) + ", nine tenths within " + Number(spread, 0) +
-                            " gray levels, " + Number(white, 0) + " % white",
-                        spread < kClear
-                            ? "at least 30 gray levels: images too dark, without texture, or of "
-                              "10 or 12 bits in 16"
-                            : "at least 30 gray levels, up to 30 % white"});
+    findings.push_back(
+        {verdict, std::string("light, ") + kSides[side],
+         "mean " + FixedText(mean, 0) + ", nine tenths within " + FixedText(spread, 0) +
+             " gray levels, " + FixedText(white, 0) + " % white",
+         spread < kClear ? "at least 30 gray levels: images too dark, without texture, or of "
+                           "10 or 12 bits in 16"
+                         : "at least 30 gray levels, up to 30 % white"});
   }
   const double difference =
       MedianOf(figures[0], &ImageFigures::mean) - MedianOf(figures[1], &ImageFigures::mean);
   constexpr double kAlike = 40.0;
   findings.push_back({UpTo(std::abs(difference), kAlike, 256.0), "light, left less right",
-                      Number(difference, 0) + " gray levels",
+                      FixedText(difference, 0) + " gray levels",
                       "up to 40 either way: cameras exposed alike match better"});
   return findings;
 }
@@ -119,7 +120,7 @@ Finding CheckSharpness(const std::array<std::vector<ImageFigures>, 2>& figures) 
   const double ratio = least > 0.0 ? std::max(left, right) / least : 0.0;
   const bool odd = least < kSharp || ratio > kAlike;
   return {odd ? Verdict::kSuspicious : Verdict::kGood, "sharpness",
-          "left " + Number(left, 3) + ", right " + Number(right, 3),
+          "left " + FixedText(left, 3) + ", right " + FixedText(right, 3),
           "both above 0.02 and within a factor of 2: is a lens out of focus?"};
 }
 

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "checks.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/imu_data.h"
 
 namespace gluevo::vo {
@@ -17,7 +18,7 @@ double MedianLength(const std::vector<ImuSample>& samples, Eigen::Vector3d ImuSa
 }
 
 Finding CheckRate(const ImuData& imu) {
-  Finding finding = {Verdict::kGood, "IMU", Number(imu.rate_hz, 1) + " readings a second",
+  Finding finding = {Verdict::kGood, "IMU", FixedText(imu.rate_hz, 1) + " readings a second",
                      "50 to 2000 a second"};
   if (imu.rate_hz < 50.0 || imu.rate_hz > 2000.0) {
     finding.verdict =
@@ -31,14 +32,14 @@ Finding CheckRate(const ImuData& imu) {
 Findings CheckUnits(const ImuData& imu) {
   const double acceleration = MedianLength(imu.samples, &ImuSample::specific_force);
   const double rate = MedianLength(imu.samples, &ImuSample::angular_velocity);
-  Finding gravity = {Verdict::kGood, "accelerations", Number(acceleration, 2) + " m/s^2 (median)",
-                     "8.8 to 10.8, mostly gravity"};
+  Finding gravity = {Verdict::kGood, "accelerations",
+                     FixedText(acceleration, 2) + " m/s^2 (median)", "8.8 to 10.8, mostly gravity"};
   if (acceleration < 8.8 || acceleration > 10.8) {
     gravity.verdict =
         acceleration < 5.0 || acceleration > 15.0 ? Verdict::kWrong : Verdict::kSuspicious;
   }
   return {gravity,
-          {UpTo(rate, 3.0, 10.0), "turning rates", Number(rate, 3) + " rad/s (median)",
+          {UpTo(rate, 3.0, 10.0), "turning rates", FixedText(rate, 3) + " rad/s (median)",
            "up to 3: degrees a second, or exchanged with accelerations?"}};
 }
 
@@ -50,7 +51,7 @@ Finding CheckOverlap(const ImuData& imu, const std::vector<int64_t>& times_ns) {
   return {share >= 95.0 ? Verdict::kGood
           : share > 0.0 ? Verdict::kSuspicious
                         : Verdict::kWrong,
-          "IMU and images", Number(share, 0) + " % of the images within its readings",
+          "IMU and images", FixedText(share, 0) + " % of the images within its readings",
           "95 % at the least: are both of one clock and unit?"};
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "checks.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
 namespace {
@@ -15,8 +16,8 @@ Finding Rate(double step) {
   constexpr double kImpossible = 2000.0;
   constexpr double kHopeless = 0.02;
   const double rate = 1.0 / step;
-  Finding finding = {Verdict::kGood, "rate", Number(rate, rate < 10.0 ? 2 : 1) + " pairs a second",
-                     "1 to 200 a second"};
+  Finding finding = {Verdict::kGood, "rate",
+                     FixedText(rate, rate < 10.0 ? 2 : 1) + " pairs a second", "1 to 200 a second"};
   if (rate > kImpossible || rate < kHopeless) {
     finding.verdict = Verdict::kWrong;
     finding.expected += ": are the times in another unit?";
@@ -43,8 +44,8 @@ Findings CheckStamps(const std::vector<int64_t>& times_ns) {
   const double step = Median(steps);
   const double duration = static_cast<double>(times_ns.back() - times_ns.front()) * kNanosecond;
   findings.push_back({Verdict::kGood, "times",
-                      "from " + Number(static_cast<double>(times_ns.front()) * kNanosecond, 3) +
-                          " s on, " + Number(duration, 3) + " s long",
+                      "from " + FixedText(static_cast<double>(times_ns.front()) * kNanosecond, 3) +
+                          " s on, " + FixedText(duration, 3) + " s long",
                       ""});
   findings.push_back(Rate(step));
 
@@ -57,10 +58,11 @@ Findings CheckStamps(const std::vector<int64_t>& times_ns) {
   const double longest = *std::max_element(steps.begin(), steps.end());
   const bool odd = gaps > kFewGaps * static_cast<double>(steps.size()) || longest > kLongGap * step;
   findings.push_back({odd ? Verdict::kSuspicious : Verdict::kGood, "gaps",
-                      Number(gaps, 0) + " of " + std::to_string(steps.size()) +
-                          " steps, the longest " + Number(longest, 3) + " s",
-                      "no more than 2 of 100 above " + Number(kGap * step, 3) + " s, none above " +
-                          Number(kLongGap * step, 3) + " s: are frames missing?"});
+                      FixedText(gaps, 0) + " of " + std::to_string(steps.size()) +
+                          " steps, the longest " + FixedText(longest, 3) + " s",
+                      "no more than 2 of 100 above " + FixedText(kGap * step, 3) +
+                          " s, none above " + FixedText(kLongGap * step, 3) +
+                          " s: are frames missing?"});
 
   std::vector<double> deviations;
   for (const double s : steps) {
@@ -73,7 +75,7 @@ Findings CheckStamps(const std::vector<int64_t>& times_ns) {
   constexpr double kJitter = 20.0;
   const double jitter = kPercent * Median(deviations) / step;
   findings.push_back({UpTo(jitter, kJitter, kPercent), "jitter of times",
-                      Number(jitter, 1) + " % of a step (median)", "up to 20 %"});
+                      FixedText(jitter, 1) + " % of a step (median)", "up to 20 %"});
   return findings;
 }
 

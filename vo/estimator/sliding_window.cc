@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/core/options_check.h"
 #include "sliding_window_workspace.h"
 
@@ -15,8 +16,8 @@ void SlidingWindowOptions::Validate() const {
   CheckAtLeast(max_iterations, 1, "window.max_iterations (--iterations)");
   CheckWithin(least_decrease, 0.0, 1.0, "window.least_decrease");
   if (solver != "gluevo" && solver != "ceres") {
-    throw Error("option window.solver (--solver) is " + Quoted(solver) +
-                "; expected gluevo or ceres");
+    throw OptionError("option window.solver (--solver) is " + Quoted(solver) +
+                      "; expected gluevo or ceres");
   }
   CheckPositive(max_mean_error_px, "window.max_mean_error_px");
   CheckPositive(keyframe_parallax_px, "window.keyframe_parallax_px (--keyframe-parallax)");
@@ -87,6 +88,7 @@ AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
 
 std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const TrackedFrame& frame,
                                                                      double noise) const {
+  const StereoUndo undo(calibration_.correction);
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const Observation& observation = frame.observations[i];
@@ -101,8 +103,7 @@ std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const Track
       correspondences.push_back(
           {i,
            {point, observation.left, observation.has_right,
-            observation.has_right ? calibration_.correction.Undo(observation.right)
-                                  : observation.right}});
+            observation.has_right ? undo(observation.right) : observation.right}});
     }
   }
   return correspondences;

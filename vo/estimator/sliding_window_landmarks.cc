@@ -22,6 +22,7 @@ std::optional<Eigen::Vector3d> ToInverseDepth(const Eigen::Vector3d& point_in_ca
 
 template <typename Visitor>
 void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
+  const StereoUndo undo(calibration_.correction);
   const Rigid3 anchor_from_world =
       (FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0])
           .Inverse();
@@ -29,8 +30,7 @@ void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
     const Rigid3 anchor_from_body = anchor_from_world * FrameOf(view).world_from_body;
     visit((anchor_from_body * calibrated_rig_.body_from_cam[0]).Inverse(), view.left);
     if (view.right) {
-      visit((anchor_from_body * calibrated_rig_.body_from_cam[1]).Inverse(),
-            calibration_.correction.Undo(*view.right));
+      visit((anchor_from_body * calibrated_rig_.body_from_cam[1]).Inverse(), undo(*view.right));
     }
   }
 }
@@ -75,13 +75,14 @@ void SlidingWindow::Triangulate() {
 
 std::optional<Eigen::Vector3d> SlidingWindow::TriangulateViews(
     const std::vector<LandmarkView>& landmark_views) const {
+  const StereoUndo undo(calibration_.correction);
   std::vector<PosedObservation> views;
   for (const LandmarkView& view : landmark_views) {
     const Rigid3& world_from_body = FrameOf(view).world_from_body;
     views.push_back({(world_from_body * calibrated_rig_.body_from_cam[0]).Inverse(), view.left});
     if (view.right) {
-      views.push_back({(world_from_body * calibrated_rig_.body_from_cam[1]).Inverse(),
-                       calibration_.correction.Undo(*view.right)});
+      views.push_back(
+          {(world_from_body * calibrated_rig_.body_from_cam[1]).Inverse(), undo(*view.right)});
     }
   }
   const auto point_in_world = vo::Triangulate(views, options_.triangulation);

@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/median.h"
 #include "pose_association.h"
 
@@ -149,18 +150,17 @@ void EvaluateRelative(const std::vector<PosePair>& pairs, const EvaluationOption
     }
   }
   constexpr double kPercent = 100.0;
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
   const double weight =
       count > 0 ? 1.0 / static_cast<double>(count) : std::numeric_limits<double>::quiet_NaN();
   evaluation.rpe_translation_percent = kPercent * weight * translation_sum;
-  evaluation.rpe_rotation_deg_per_m = kDegrees * weight * rotation_sum;
+  evaluation.rpe_rotation_deg_per_m = weight * rotation_sum / kDegree;
 }
 
 void EvaluateMotions(const std::vector<PosePair>& pairs, Evaluation& evaluation) {
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     const Rigid3 error = MotionError(pairs[i - 1], pairs[i]);
     evaluation.errors[i].motion_m = error.translation.norm();
-    evaluation.errors[i].motion_deg = AngleOf(error) * 180.0 / std::numbers::pi;
+    evaluation.errors[i].motion_deg = AngleOf(error) / kDegree;
   }
 }
 
@@ -173,7 +173,7 @@ void EvaluateFrameSteps(const std::vector<PosePair>& pairs, const EvaluationOpti
   std::vector<double> translations;
   for (std::size_t start = 0; start + delta < pairs.size(); start += step) {
     const Rigid3 error = MotionError(pairs[start], pairs[start + delta]);
-    const double angle = AngleOf(error) * 180.0 / std::numbers::pi;
+    const double angle = AngleOf(error) / kDegree;
     squared_translations += error.translation.squaredNorm();
     squared_angles += angle * angle;
     translations.push_back(error.translation.norm());
@@ -214,17 +214,19 @@ double Coverage(const std::vector<PosePair>& pairs, const Trajectory& groundtrut
 void EvaluationOptions::Validate() const {
   constexpr double kLongest = 1e6;
   if (!(max_time_difference_s >= 0.0 && max_time_difference_s <= kLongest)) {
-    throw Error("the largest time difference of poses that belong together must be 0 to 1e6 s");
+    throw OptionError(
+        "the largest time difference of poses that belong together must be 0 to 1e6 s");
   }
   if (!(correct_motion_m > 0.0 && correct_motion_deg > 0.0)) {
-    throw Error("the bounds of a correct motion must be above 0");
+    throw OptionError("the bounds of a correct motion must be above 0");
   }
   if (rpe_frames < 1) {
-    throw Error("the relative pose error must be over 1 frame or more");
+    throw OptionError("the relative pose error must be over 1 frame or more");
   }
   for (const double length : rpe_lengths_m) {
     if (!(length > 0.0 && length <= kLongest)) {
-      throw Error("lengths of sub-paths of the relative pose error must be above 0, at most 1e6 m");
+      throw OptionError(
+          "lengths of sub-paths of the relative pose error must be above 0, at most 1e6 m");
     }
   }
 }

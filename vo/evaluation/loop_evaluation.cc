@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <string>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/seconds.h"
 
@@ -14,8 +14,7 @@ namespace {
 
 bool IsWithin(const Rigid3& motion, double metres, double degrees) {
   return motion.translation.norm() <= metres &&
-         motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) <=
-             degrees * std::numbers::pi / 180.0;
+         motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) <= degrees * kDegree;
 }
 
 // Nothing where the truth has no pose at about this time.

@@ -5,11 +5,12 @@
 #include <iomanip>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <sstream>
 #include <string>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/angle.h"
+#include "gluevo/vo/core/median.h"
 
 namespace gluevo::vo {
 namespace {
@@ -59,12 +60,7 @@ double MedianStep(const Trajectory& trajectory) {
   for (std::size_t i = 1; i < trajectory.size(); ++i) {
     steps.push_back(TimeApart(trajectory[i - 1].timestamp_ns, trajectory[i].timestamp_ns));
   }
-  if (steps.empty()) {
-    return 0.0;
-  }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return static_cast<double>(*middle) * kSecondsPerNanosecond;
+  return static_cast<double>(Median(std::move(steps))) * kSecondsPerNanosecond;
 }
 
 std::vector<PosePair> NearPoses(const Trajectory& estimate, const Trajectory& groundtruth,
@@ -137,7 +133,7 @@ double AngleOf(const Rigid3& transform) {
 bool IsCorrectMotion(const PosePair& from, const PosePair& to, const EvaluationOptions& options) {
   const Rigid3 error = MotionError(from, to);
   return error.translation.norm() <= options.correct_motion_m &&
-         AngleOf(error) * 180.0 / std::numbers::pi <= options.correct_motion_deg;
+         AngleOf(error) / kDegree <= options.correct_motion_deg;
 }
 
 }  // namespace gluevo::vo

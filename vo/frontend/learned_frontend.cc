@@ -4,7 +4,7 @@
 #include <numeric>
 #include <utility>
 
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/core/options_check.h"
 
 namespace gluevo::vo {
@@ -12,8 +12,9 @@ void LearnedFrontEndOptions::Validate() const {
   for (const auto& [name, threshold] :
        {std::pair{"tracking", tracking_threshold}, std::pair{"stereo", stereo_threshold}}) {
     if (!(threshold >= 0.0F && threshold < 1.0F)) {
-      throw Error(std::string(name) + " threshold " + std::to_string(threshold) +
-                  " is out of range: expected 0 or more and below 1 (--" + name + "-threshold)");
+      throw OptionError(std::string(name) + " threshold " + std::to_string(threshold) +
+                        " is out of range: expected 0 or more and below 1 (--" + name +
+                        "-threshold)");
     }
   }
   CheckPositive(max_epipolar_error_px, "max_epipolar_error_px (--max-epipolar-error)");

@@ -19,8 +19,11 @@ Eigen::Matrix3d StereoCorrection::ByTurn(const Eigen::Vector3d& point) const {
   return by_turn;
 }
 
-Eigen::Vector2d StereoCorrection::Undo(const Eigen::Vector2d& seen) const {
-  return (Matrix().inverse() * seen.homogeneous()).hnormalized();
+StereoUndo::StereoUndo(const StereoCorrection& correction)
+    : inverse_(correction.Matrix().inverse()) {}
+
+Eigen::Vector2d StereoUndo::operator()(const Eigen::Vector2d& seen) const {
+  return (inverse_ * seen.homogeneous()).hnormalized();
 }
 
 }  // namespace gluevo::vo

@@ -1,11 +1,10 @@
 #include "gluevo/vo/geometry/stereo_rig.h"
 
 #include <cmath>
-#include <iomanip>
-#include <numbers>
-#include <sstream>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/angle.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
 namespace {
@@ -14,11 +13,7 @@ namespace {
 constexpr double kShortestBaseline = 1e-3;
 constexpr double kLongestBaseline = 10.0;
 
-std::string Text(double value, int digits = 4) {
-  std::ostringstream text;
-  text << std::setprecision(digits) << value;
-  return text.str();
-}
+std::string Text(double value, int digits = 4) { return ShortText(value, digits); }
 
 // Of a number that is too large for metres: rigs have 5 cm to 1 m, hand-held ones 30 cm at most.
 std::string UnitOfBaseline(double baseline) {
@@ -73,8 +68,8 @@ void AddPoseOddities(const StereoRig& rig, std::vector<std::string>& oddities) {
                        "a transform is inverted or of other frames");
   }
   const double degrees =
-      std::acos(std::min(1.0, (rig.right_from_left().rotation * Eigen::Vector3d::UnitZ()).z())) *
-      180.0 / std::numbers::pi;
+      std::acos(std::min(1.0, (rig.right_from_left().rotation * Eigen::Vector3d::UnitZ()).z())) /
+      kDegree;
   constexpr double kLargeAngle = 45.0;
   if (degrees > kLargeAngle) {
     oddities.push_back("the cameras look in directions " + Text(degrees, 3) +

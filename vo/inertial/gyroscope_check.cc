@@ -4,16 +4,15 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/geometry/manifold.h"
 
 namespace gluevo::vo {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 struct Turn {
   Eigen::Vector3d seen;      ///< Rotation vector, radians.
@@ -86,10 +85,7 @@ void FitRotation(const std::vector<Turn>& turns, GyroscopeCheck& check) {
   check.body_from_gyroscope = Eigen::Quaterniond(rotation).normalized();
 }
 
-std::string Text(double value) {
-  std::string text = std::to_string(value);
-  return text.substr(0, text.find('.') + 2);
-}
+std::string Text(double value) { return FixedText(value, 1); }
 
 }  // namespace
 

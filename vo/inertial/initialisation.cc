@@ -5,9 +5,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/inertial/gravity.h"
 #include "gyroscope_start.h"
@@ -68,9 +68,7 @@ void SolveForMotion(const EliminatedFrames& frames, double length, InertialStart
   start.velocities_in_world = frames.Velocities(state);
 }
 
-std::string Degrees(double radians) {
-  return std::to_string(radians * 180.0 / std::numbers::pi) + " degrees";
-}
+std::string Degrees(double radians) { return std::to_string(radians / kDegree) + " degrees"; }
 
 std::string WhyRefused(const InertialStart& start, const InitialisationOptions& options) {
   const auto disagree = [](const std::string& sensor, double rms) {

@@ -7,6 +7,7 @@
 #include "dataset_formats.h"
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/io/image_file.h"
 #include "imu_faults.h"
 
@@ -147,24 +148,24 @@ Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
 
 void DatasetOptions::Validate() const {
   if (start < 0) {
-    throw Error("first frame " + std::to_string(start) + " is negative (--start)");
+    throw OptionError("first frame " + std::to_string(start) + " is negative (--start)");
   }
   if (count < -1 || count == 0) {
-    throw Error("number of frames " + std::to_string(count) +
-                " is out of range: expected at least 1 (--count)");
+    throw OptionError("number of frames " + std::to_string(count) +
+                      " is out of range: expected at least 1 (--count)");
   }
   if (stride < 1) {
-    throw Error("stride " + std::to_string(stride) +
-                " is out of range: expected at least 1 (--stride)");
+    throw OptionError("stride " + std::to_string(stride) +
+                      " is out of range: expected at least 1 (--stride)");
   }
   if (rate_hz && !(*rate_hz >= 1e-3 && *rate_hz <= 1e6)) {
-    throw Error("rate " + std::to_string(*rate_hz) +
-                " is out of range: expected 0.001 to 1e6 images a second (--rate)");
+    throw OptionError("rate " + std::to_string(*rate_hz) +
+                      " is out of range: expected 0.001 to 1e6 images a second (--rate)");
   }
   constexpr double kLongest = 1e6;
   if (pair_tolerance_s && !(*pair_tolerance_s >= 0.0 && *pair_tolerance_s <= kLongest)) {
-    throw Error("pair tolerance " + std::to_string(*pair_tolerance_s) +
-                " is out of range: expected seconds, at least 0 (--pair-tolerance)");
+    throw OptionError("pair tolerance " + std::to_string(*pair_tolerance_s) +
+                      " is out of range: expected seconds, at least 0 (--pair-tolerance)");
   }
 }
 

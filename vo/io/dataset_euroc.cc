@@ -7,6 +7,7 @@
 #include "calibration_parts.h"
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 #include "groundtruth.h"
 #include "image_pairs.h"
 #include "imu_source.h"
@@ -98,9 +99,8 @@ std::vector<KeyedImage> ListCamera(const fs::path& camera_folder, Dataset& datas
   }
   if (!missing.empty()) {
     dataset.images_left_out += static_cast<int>(missing.size());
-    dataset.warnings.push_back(std::to_string(missing.size()) + " images that " + csv.string() +
-                               " names are missing (the first is " + missing.front().string() +
-                               ")");
+    dataset.warnings.push_back(Counted(missing.size(), "image") + " that " + csv.string() +
+                               " names missing (the first is " + missing.front().string() + ")");
   }
   std::sort(images.begin(), images.end(),
             [](const KeyedImage& a, const KeyedImage& b) { return a.key < b.key; });

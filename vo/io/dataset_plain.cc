@@ -7,6 +7,7 @@
 
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 #include "groundtruth.h"
 #include "image_names.h"
 #include "image_pairs.h"
@@ -169,8 +170,8 @@ void AddImages(const PlainImages& found, const DatasetOptions& options, Dataset&
   ImageNames names = ReadImageNames(ListPlainImages(found));
   if (!names.others.empty()) {
     dataset.images_left_out += static_cast<int>(names.others.size());
-    dataset.warnings.push_back(std::to_string(names.others.size()) +
-                               " images are named unlike the others and left out (the first is " +
+    dataset.warnings.push_back(Counted(names.others.size(), "image") +
+                               " named unlike the others left out (the first is " +
                                names.others.front().string() + ")");
   }
   const auto files = FindTimesFiles(dataset.root, found.folders);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/trajectory_file.h"
 
 namespace gluevo::vo {
@@ -30,8 +31,8 @@ void SetFrameTimes(const fs::path& path, const Times& times_ns, TrajectoryFile& 
   constexpr const char* kNameOfBody = "poses.txt";
   file.notes.push_back("the rows' first numbers are taken as those of frames" +
                        (left_out == 0 ? std::string()
-                                      : "; " + std::to_string(left_out) +
-                                            " rows are of frames without a time: left out"));
+                                      : "; " + Counted(left_out, "row is", "rows are") +
+                                            " of frames without a time: left out"));
   if (path.filename() == kNameOfBody) {
     file.notes.emplace_back(
         "KITTI-360's poses.txt is of the GPS unit; the left camera's path is cam0_to_world.txt");

@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "png_chunks.h"
+
 namespace gluevo::vo {
 namespace {
 
@@ -30,7 +32,6 @@ std::optional<std::size_t> NumberAt(const ImageBytes& bytes, std::size_t offset,
 }
 
 bool IsJpeg(const ImageBytes& bytes) { return HasAt(bytes, 0, "\xFF\xD8"); }
-bool IsPng(const ImageBytes& bytes) { return HasAt(bytes, 0, "\x89PNG\r\n\x1a\n"); }
 bool IsWebp(const ImageBytes& bytes) { return HasAt(bytes, 0, "RIFF") && HasAt(bytes, 8, "WEBP"); }
 bool IsTiffAt(const ImageBytes& bytes, std::size_t offset) {
   using std::string_view_literals::operator""sv;

@@ -5,11 +5,13 @@
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <utility>
 
 #include "foreign_input.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/io/whole_file.h"
 #include "image_bytes.h"
+#include "png_chunks.h"
 
 namespace gluevo::vo {
 namespace {
@@ -36,6 +38,12 @@ cv::Mat Decode(ImageBytes bytes, const std::optional<OrientationTag>& orientatio
   if (orientation) {
     bytes[orientation->offset] = orientation->little_endian ? 1 : 0;
     bytes[orientation->offset + 1] = orientation->little_endian ? 0 : 1;
+  }
+  if (IsPng(bytes)) {
+    bytes = SoundPng(std::move(bytes));
+    if (bytes.empty()) {
+      return {};
+    }
   }
   try {
     return cv::imdecode(bytes, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION | depth);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "gluevo/vo/core/angle.h"
+
 namespace gluevo::vo {
 namespace {
 
@@ -54,9 +56,8 @@ std::optional<double> RadiansOf(const Words& unit) {
   if (Has(unit, {"rad"})) {
     return 1.0;
   }
-  return Has(unit, {"deg"}) || (unit.size() == 1 && unit[0] == "dps")
-             ? std::optional(kRadiansPerDegree)
-             : std::nullopt;
+  return Has(unit, {"deg"}) || (unit.size() == 1 && unit[0] == "dps") ? std::optional(kDegree)
+                                                                      : std::nullopt;
 }
 
 std::optional<double> MetresOf(const Words& unit) {

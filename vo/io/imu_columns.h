@@ -24,7 +24,6 @@ struct ImuColumns : TimeColumn {
 
 /// Standard gravity, m/s^2: what a sensor's data sheet calls g.
 inline constexpr double kStandardGravity = 9.80665;
-inline constexpr double kRadiansPerDegree = 0.017453292519943295;
 
 /// What the first line of a table says of its columns.
 struct ImuHeader {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/text.h"
 #include "stamp_unit.h"
 
 namespace gluevo::vo {
@@ -16,10 +17,6 @@ bool IsEarlier(const ImuSample& a, const ImuSample& b) { return a.timestamp_ns <
 
 bool HasSameReadings(const ImuSample& a, const ImuSample& b) {
   return a.angular_velocity == b.angular_velocity && a.specific_force == b.specific_force;
-}
-
-std::string Count(std::size_t count, const std::string& what) {
-  return std::to_string(count) + ' ' + what + (count == 1 ? "" : "s");
 }
 
 /// A time as the images' readers say it.
@@ -64,11 +61,7 @@ double RangeOf(const std::vector<ImuSample>& samples, Eigen::Vector3d ImuSample:
   return range;
 }
 
-std::string Rounded(double value) {
-  std::string text = std::to_string(value);
-  constexpr std::size_t kDecimals = 2;
-  return text.substr(0, text.find('.') + 1 + kDecimals);
-}
+std::string Rounded(double value) { return FixedText(value, 2); }
 
 }  // namespace
 
@@ -80,7 +73,7 @@ void PutInOrder(ImuData& data) {
   }
   if (unordered > 0) {
     std::stable_sort(samples.begin(), samples.end(), &IsEarlier);
-    data.warnings.push_back(Count(unordered, "sample") + " not in order of time: sorted");
+    data.warnings.push_back(Counted(unordered, "sample") + " not in order of time: sorted");
   }
   const std::size_t before = samples.size();
   std::size_t repeated = 0;
@@ -104,7 +97,7 @@ void PutInOrder(ImuData& data) {
                    std::to_string(before) +
                    " samples have the time of another: the times have too few digits";
   }
-  data.warnings.push_back(Count(dropped, "sample") + " with the time of another left out");
+  data.warnings.push_back(Counted(dropped, "sample") + " with the time of another left out");
 }
 
 void LeaveOutStuck(ImuData& data) {
@@ -160,7 +153,7 @@ void WarnOfGaps(ImuData& data) {
     }
   }
   if (gaps > 0) {
-    data.warnings.push_back(Count(gaps, "gap") + " without samples, the longest of " +
+    data.warnings.push_back(Counted(gaps, "gap") + " without samples, the longest of " +
                             TimeText(longest) + ", " +
                             After(data, data.samples[where].timestamp_ns));
   }
@@ -175,11 +168,11 @@ void FindRanges(ImuData& data) {
   data.largest_force = RangeOf(data.samples, &ImuSample::specific_force, forces, kSmallestForce);
   if (rates > 0) {
     data.warnings.push_back("the gyroscope ends at " + Rounded(data.largest_rate) + " rad/s, in " +
-                            Count(rates, "reading") + ": the body turned faster");
+                            Counted(rates, "reading") + ": the body turned faster");
   }
   if (forces > 0) {
     data.warnings.push_back("the accelerometer ends at " + Rounded(data.largest_force) +
-                            " m/s^2, in " + Count(forces, "reading") +
+                            " m/s^2, in " + Counted(forces, "reading") +
                             ": the body was accelerated more");
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/median.h"
 #include "imu_columns.h"
 
@@ -65,7 +66,7 @@ void FitUnitOfForces(ImuData& data) {
 }
 
 void FitUnitOfRates(ImuData& data) {
-  constexpr double kFastest = 2000.0 * kRadiansPerDegree;
+  constexpr double kFastest = 2000.0 * kDegree;
   constexpr std::size_t kHundredth = 100;
   const std::vector<double> lengths = LengthsOf(data.samples, &ImuSample::angular_velocity);
   const auto beyond = std::count_if(lengths.begin(), lengths.end(),
@@ -73,7 +74,7 @@ void FitUnitOfRates(ImuData& data) {
   if (static_cast<std::size_t>(beyond) * kHundredth <= lengths.size()) {
     return;
   }
-  Scale(data, &ImuSample::angular_velocity, kRadiansPerDegree);
+  Scale(data, &ImuSample::angular_velocity, kDegree);
   data.warnings.emplace_back(
       "turning rates are degrees a second (no sensor measures as many radians), expected rad/s: "
       "converted");

@@ -1,5 +1,10 @@
 #include "gluevo/vo/io/output_directory.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -36,9 +41,18 @@ void MakeOutputDirectory(const std::filesystem::path& directory) {
 OutputDirectory::OutputDirectory(std::filesystem::path path)
     : path_(std::move(path)), is_new_(!std::filesystem::exists(path_)) {
   MakeOutputDirectory(path_);
+  descriptor_ = open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    close(descriptor_);
+    throw Error(path_.string() +
+                ": another program is writing its results there; expected a folder of its own");
+  }
 }
 
 OutputDirectory::~OutputDirectory() {
+  if (descriptor_ >= 0) {
+    close(descriptor_);
+  }
   if (is_new_) {
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);  // Only where it is empty.

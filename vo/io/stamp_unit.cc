@@ -8,6 +8,7 @@
 #include <numeric>
 #include <sstream>
 
+#include "gluevo/vo/core/median.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -98,15 +99,7 @@ std::string TimeText(int64_t duration_ns) {
   return text.str();
 }
 
-int64_t MedianStep(std::vector<int64_t> stamps) {
-  std::vector<int64_t> steps = StepsOf(std::move(stamps));
-  if (steps.empty()) {
-    return 0;
-  }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
+int64_t MedianStep(std::vector<int64_t> stamps) { return Median(StepsOf(std::move(stamps))); }
 
 std::optional<StampUnit> UnitSince1970(const std::vector<int64_t>& stamps) {
   if (stamps.empty()) {

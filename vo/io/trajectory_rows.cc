@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/io/trajectory_file.h"
 #include "kitti_files.h"
 #include "stamp_unit.h"
@@ -95,8 +96,8 @@ void AddRowTimes(const fs::path& path, const std::optional<fs::path>& times, Tra
                 std::to_string(times_ns.size()) + " times, expected as many");
   }
   if (const std::size_t left_out = SetRowTimes(times_ns, file); left_out > 0) {
-    file.notes.push_back(std::to_string(left_out) + " poses have no time in " +
-                         times_file->string() + " and are left out");
+    file.notes.push_back(Counted(left_out, "pose") + " without a time in " + times_file->string() +
+                         " left out");
   }
 }
 

@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/text.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -43,9 +45,7 @@ std::optional<double> MedianStep(std::vector<double> values) {
   if (steps.empty()) {
     return std::nullopt;
   }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return Median(std::move(steps));
 }
 
 constexpr int64_t kMillisecondNs = 1'000'000;
@@ -54,10 +54,6 @@ bool IsSame(const StampedPose& a, const StampedPose& b) {
   return a.timestamp_ns == b.timestamp_ns &&
          a.world_from_body.translation == b.world_from_body.translation &&
          a.world_from_body.rotation.coeffs() == b.world_from_body.rotation.coeffs();
-}
-
-std::string Count(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + ' ' + (count == 1 ? one : many);
 }
 
 }  // namespace
@@ -162,10 +158,10 @@ Trajectory InOrderOfTime(const std::filesystem::path& path, std::vector<PoseRow>
                             : "are two runs, or two trajectories, in one file?"));
   }
   if (equal > 0) {
-    notes.push_back(Count(equal, "row is", "rows are") + " in the file twice: left out once");
+    notes.push_back(Counted(equal, "row is", "rows are") + " in the file twice: left out once");
   }
   if (repeated > 0) {
-    notes.push_back(Count(repeated, "row repeats", "rows repeat") +
+    notes.push_back(Counted(repeated, "row repeats", "rows repeat") +
                     " the time of another (first in line " + std::to_string(first_line) +
                     "): left out");
   }

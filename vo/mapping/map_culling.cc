@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 #include <utility>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/options_check.h"
 #include "loop_measurement.h"
 
 namespace gluevo::vo {
 namespace {
-
-constexpr double kRadian = std::numbers::pi / 180.0;
 
 /// Where the left camera of a key frame is, and its points, in the map's frame.
 struct SeenPlace {
@@ -40,7 +38,7 @@ std::vector<SeenPlace> PlacesOf(const PlaceMap& map) {
 }
 
 bool IsTurnedLike(const SeenPlace& a, const SeenPlace& b, double max_turn_deg) {
-  return a.map_from_cam.rotation.angularDistance(b.map_from_cam.rotation) <= max_turn_deg * kRadian;
+  return a.map_from_cam.rotation.angularDistance(b.map_from_cam.rotation) <= max_turn_deg * kDegree;
 }
 
 // Whether another camera sees a point of a place as the place does.
@@ -59,7 +57,7 @@ bool SeesAlike(const Camera& camera, const SeenPlace& place, const Eigen::Vector
   const Eigen::Vector3d there = point - other.map_from_cam.translation;
   const double scale = there.norm() / here.norm();
   return std::max(scale, 1.0 / scale) <= options.max_scale &&
-         here.normalized().dot(there.normalized()) >= std::cos(options.max_angle_deg * kRadian);
+         here.normalized().dot(there.normalized()) >= std::cos(options.max_angle_deg * kDegree);
 }
 
 /// Decides which key frames stay.

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <optional>
 
 #include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
 namespace {
@@ -15,11 +15,7 @@ namespace {
 constexpr double kNextToNothing = 15.0;  // Points of a frame.
 constexpr int kFewCorners = 20;
 
-std::string Number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.3g", value);
-  return text;
-}
+std::string Number(double value) { return ShortText(value, 3); }
 
 std::string OfTotal(int part, int total) {
   return std::to_string(part) + " of " + std::to_string(total);

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/frontend/network_matcher.h"
 #include "gluevo/vo/frontend/network_memo.h"
 #include "name_check.h"
@@ -46,7 +46,7 @@ void FrontEndConfig::Validate() const {
   CheckNetworkNames(features, method == "superglue" ? matcher : "");
   CheckName(refine, {"none", "subpixel", "lk"}, "refine");
   if (features == "aliked" && refine == "subpixel") {
-    throw Error(
+    throw OptionError(
         "option refine is \"subpixel\", which refines SuperPoint's keypoints: for features "
         "\"aliked\", which are refined already, expected none or lk");
   }

@@ -4,16 +4,13 @@
 #include <cmath>
 #include <cstddef>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/inertial/gyroscope_check.h"
 
 namespace gluevo::vo {
-namespace {
-
-constexpr double kDegree = 0.017453292519943295;
-
-}  // namespace
+namespace {}  // namespace
 
 void InertialOptions::Validate() const {
   start.Validate();

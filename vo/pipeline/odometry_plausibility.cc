@@ -1,5 +1,5 @@
-#include <numbers>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/pipeline/odometry.h"
 
@@ -26,8 +26,7 @@ bool Odometry::IsPlausible(const Rigid3& world_from_body, int64_t timestamp_ns) 
   }
   const double seconds = SecondsBetween(last->timestamp_ns, timestamp_ns);
   const Rigid3 motion = last->world_from_body.Inverse() * world_from_body;
-  const double turn_deg =
-      motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / std::numbers::pi;
+  const double turn_deg = motion.rotation.angularDistance(Eigen::Quaterniond::Identity()) / kDegree;
   return IsFinite(world_from_body) &&
          motion.translation.norm() <= options_.max_speed_m_per_s * seconds &&
          turn_deg <= options_.max_turn_deg_per_s * seconds;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/io/hdf5_file.h"
 #include "parallel_for.h"
 #include "partial_directory.h"
@@ -46,7 +46,7 @@ std::string Numbered(const char* format, int number) {
 
 void PairOptions::Validate() const {
   const auto check = [](bool good, const std::string& what) {
-    if (!good) throw Error(what);
+    if (!good) throw OptionError(what);
   };
   check(rooms >= 1 && rooms <= 1'000'000, "the number of rooms must be 1 to 1000000");
   check(width >= 64 && width <= 4096 && height >= 64 && height <= 4096,

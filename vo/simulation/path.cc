@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/simulation/simulation.h"
 
 namespace gluevo::simulation {
@@ -196,7 +197,8 @@ SimulationPath MakeSimulationPath(const std::string& name) { return Find(name).p
 double LapsEnd(const std::string& name, int laps) {
   const NamedPath& path = Find(name);
   if (path.lap_s == 0.0) {
-    throw Error("the path \"" + name + "\" has no laps to count (--laps), expected a duration");
+    throw OptionError("the path \"" + name +
+                      "\" has no laps to count (--laps), expected a duration");
   }
   return path.first_lap_s + (laps - 1) * path.lap_s;
 }

@@ -10,6 +10,7 @@
 #include "correspondences.h"
 #include "flight.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/output_file.h"
 #include "imu.h"
 #include "movers.h"
@@ -113,7 +114,7 @@ void WriteStates(const std::filesystem::path& mav, const Flight& flight,
 
 void ImageOptions::Validate() const {
   const auto check = [](double value, double low, double high, const std::string& what) {
-    if (!(value >= low && value <= high)) throw Error("simulated images: " + what);
+    if (!(value >= low && value <= high)) throw OptionError("simulated images: " + what);
   };
   check(noise, 0.0, 100.0, "the noise must be 0 to 100 gray levels (--noise)");
   check(exposure_change, 0.0, 4.0,
@@ -128,7 +129,7 @@ void ImageOptions::Validate() const {
 void SimulationOptions::Validate() const {
   if (trajectory.empty()) MakeSimulationPath(path);
   const auto check = [](bool good, const std::string& what) {
-    if (!good) throw Error(what);
+    if (!good) throw OptionError(what);
   };
   check(start_s >= 0.0 && start_s <= 7200.0,
         "the start of a simulation must be 0 to 7200 s (--start)");

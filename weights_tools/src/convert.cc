@@ -7,6 +7,7 @@
 
 #include "containers.h"
 #include "dialects.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/weights_tools/architecture.h"
 #include "heads.h"
 #include "provenance.h"
@@ -129,14 +130,14 @@ void Describe(CanonicalNetwork& network, std::map<std::string, std::string> meta
 
 void ConvertOptions::Validate() const {
   if (heads && *heads < 1) {
-    throw Error("number of heads " + std::to_string(*heads) +
-                " is out of range: expected at least 1");
+    throw OptionError("number of heads " + std::to_string(*heads) +
+                      " is out of range: expected at least 1");
   }
   if (network &&
       std::find(kNetworkNames.begin(), kNetworkNames.end(), *network) == kNetworkNames.end()) {
-    throw Error("network " + Quoted(*network) +
-                " is unknown: expected \"superpoint\", \"superglue\", \"lightglue\" or "
-                "\"aliked\"");
+    throw OptionError("network " + Quoted(*network) +
+                      " is unknown: expected \"superpoint\", \"superglue\", \"lightglue\" or "
+                      "\"aliked\"");
   }
 }
 

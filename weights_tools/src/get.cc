@@ -13,6 +13,7 @@
 #include "child.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/input_file.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/nn/replaced_file.h"
 #include "gluevo/nn/weights.h"
@@ -51,7 +52,7 @@ const Published& Find(const std::string& name) {
     for (const Published& published : kPublished) {
       names += (names.empty() ? "" : ", ") + std::string(published.name);
     }
-    throw Error("weights " + Quoted(name) + " are not known; expected one of " + names);
+    throw OptionError("weights " + Quoted(name) + " are not known; expected one of " + names);
   }
   return *found;
 }

@@ -6,13 +6,13 @@
 #include <array>
 #include <cmath>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "inertial_scene.h"
 
 namespace gluevo::vo {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr int64_t kFrameNs = 100'000'000;
 constexpr int64_t kSecondNs = 1'000'000'000;
 

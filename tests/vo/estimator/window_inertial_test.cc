@@ -2,6 +2,7 @@
 // leaves of it.
 
 #include "window_inertial.h"
+#include "gluevo/vo/core/angle.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,6 @@ using testing::InertialScene;
 using testing::kSceneBias;
 
 constexpr int kMotion = PosePrior::kMotion;
-constexpr double kDegree = 0.017453292519943295;
 
 double AngleBetween(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));

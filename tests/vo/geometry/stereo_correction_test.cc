@@ -31,7 +31,7 @@ TEST(StereoCorrection, UndoIsItsInverse) {
   for (const double bend : {0.0, 0.5, 1.0}) {
     const StereoCorrection correction{kTurn, bend};
     const Eigen::Vector2d moved = (correction.Matrix() * kSeen.homogeneous()).hnormalized();
-    EXPECT_LT((correction.Undo(moved) - kSeen).norm(), 1e-15);
+    EXPECT_LT((StereoUndo(correction)(moved) - kSeen).norm(), 1e-15);
   }
 }
 

@@ -4,13 +4,12 @@
 
 #include <string>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/simulation/simulation.h"
 #include "simulated_motion.h"
 
 namespace gluevo::vo {
 namespace {
-
-constexpr double kDegree = 0.017453292519943295;
 
 class GyroscopeCheckTest : public testing::Test {
  protected:

@@ -1,6 +1,7 @@
 // Where an inertial unit may start, where it must not, and whether it knows how well.
 
 #include "gluevo/vo/inertial/initialisation.h"
+#include "gluevo/vo/core/angle.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +18,6 @@
 namespace gluevo::vo {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr double kStepS = 0.1;
 constexpr int kFrames = 51;  // Five seconds.
 

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <filesystem>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/inertial/gravity.h"
 #include "gluevo/vo/io/imu_data.h"
 #include "gluevo/vo/io/trajectory_file.h"
@@ -14,7 +15,6 @@
 namespace gluevo::vo {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr int64_t kSecondNs = 1'000'000'000;
 
 InitialisationOptions Options() {

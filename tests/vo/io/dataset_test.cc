@@ -299,7 +299,7 @@ TEST_F(DatasetTest, LeavesOutWhatIsMissingAndSaysSo) {
   EXPECT_EQ(without_file.entries.size(), 3U);
   EXPECT_EQ(without_file.images_left_out, 4);  // The mate, and one of each without any.
   ASSERT_GE(without_file.warnings.size(), 2U);
-  ExpectContains(without_file.warnings[0], {"1 images", "cam1/data.csv", "cam1/data/300.png"});
+  ExpectContains(without_file.warnings[0], {"1 image ", "cam1/data.csv", "cam1/data/300.png"});
   ExpectContains(without_file.warnings[1], {"2 of 5 left and 1 of 4 right images", "no mate",
                                             "50 ns apart", "--pair-tolerance"});
 

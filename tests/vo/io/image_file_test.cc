@@ -92,6 +92,28 @@ TEST_F(ImageFileTest, ReadsAllFormatsAndRefusesThoseThatAreCutOff) {
   EXPECT_NE(ErrorOf("link.png").find("a link to what is not there"), std::string::npos);
 }
 
+// libpng would tell standard error of them, beside the one line of the program.
+TEST_F(ImageFileTest, BrokenPngChunksAreNoNews) {
+  const Bytes whole = Encoded(".png");
+  const auto find = [&](const std::string& name) {
+    return std::search(whole.begin(), whole.end(), name.begin(), name.end()) - whole.begin();
+  };
+  Bytes flipped = whole;
+  flipped[static_cast<std::size_t>(find("IDAT")) + 9] ^= 0x10U;
+  Write("flipped.png", flipped);
+  const Bytes note = {0, 0, 0, 4, 't', 'I', 'M', 'E', 1, 2, 3, 4, 0, 0, 0, 0};
+  Bytes noted = whole;
+  noted.insert(noted.begin() + find("IDAT") - 4, note.begin(), note.end());
+  Write("noted.png", noted);
+  Write("whole.png", whole);
+  testing::internal::CaptureStderr();
+  EXPECT_NE(ErrorOf("flipped.png").find("flipped.png: not an image, or cut off"),
+            std::string::npos);
+  const cv::Mat image = ReadGrayImage(Path("noted.png")).pixels;
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  EXPECT_EQ(cv::norm(image, ReadGrayImage(Path("whole.png")).pixels, cv::NORM_L1), 0.0);
+}
+
 // The end of a thumbnail, which is a JPEG file inside of one, is not that of the image.
 TEST_F(ImageFileTest, AThumbnailsEndIsNotTheImages) {
   Bytes exif = Exif();

@@ -172,7 +172,7 @@ TEST_F(ImuDataTest, TellsWhereASensorEnds) {
     samples[i].specific_force.x() = i % 2 == 0 ? 39.2266 : -39.2266;
   }
   const ImuData data = Read(samples);
-  ExpectWarning(data, "the accelerometer ends at 39.22 m/s^2, in 20 readings");
+  ExpectWarning(data, "the accelerometer ends at 39.23 m/s^2, in 20 readings");
   EXPECT_DOUBLE_EQ(data.largest_force, 39.2266);
   EXPECT_TRUE(std::isinf(data.largest_rate));
   samples = Samples(5);

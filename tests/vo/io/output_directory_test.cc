@@ -62,5 +62,17 @@ TEST(OutputDirectory, GoesAgainWhereNothingWasPutIntoIt) {
   EXPECT_TRUE(fs::exists(path));
 }
 
+TEST(OutputDirectory, IsOneProgramsAtATime) {
+  const TemporaryFolder folder;
+  const fs::path path = folder.path() / "results";
+  {
+    const OutputDirectory first(path);
+    EXPECT_NE(MessageOf([&] { const OutputDirectory second(path); }).find("another program"),
+              std::string::npos);
+    EXPECT_NO_THROW(OutputDirectory(folder.path() / "others"));
+  }
+  EXPECT_NO_THROW(OutputDirectory{path});
+}
+
 }  // namespace
 }  // namespace gluevo::vo

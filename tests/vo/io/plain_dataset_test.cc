@@ -224,7 +224,7 @@ TEST_F(PlainDatasetTest, PairsByNumberWhateverElseIsInTheName) {
   Make({"1.png", "2.png", "3.png", "thumbnail.png"}, {"1.png", "2.png", "3.png"});
   const Dataset dataset = Open();
   EXPECT_EQ(dataset.entries.size(), 3U);
-  ExpectHas(All(dataset.warnings), {"1 images are named unlike the others", "thumbnail.png"});
+  ExpectHas(All(dataset.warnings), {"1 image named unlike the others", "thumbnail.png"});
 }
 
 TEST_F(PlainDatasetTest, PairsStampsThatAreNearAndSaysWhichAreNot) {

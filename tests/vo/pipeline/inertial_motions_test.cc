@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "vo/inertial/simulated_motion.h"
 #include "vo/scene.h"
@@ -15,7 +16,6 @@ namespace gluevo::vo {
 namespace {
 
 constexpr int64_t kFrameNs = 100'000'000;
-constexpr double kDegree = 0.017453292519943295;
 
 /// A named path of the simulator, flown with and without its readings.
 class Flight {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/inertial/gravity.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "message_of.h"
@@ -21,7 +22,6 @@
 namespace gluevo::vo {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
 constexpr int64_t kFrameNs = 100'000'000;
 constexpr int kFlightSeconds = 20;
 constexpr int64_t kNewTracks = 1'000'000;

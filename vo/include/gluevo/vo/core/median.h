@@ -7,9 +7,10 @@
 namespace gluevo::vo {
 
 /// The middle value, the upper one of the two where there are two; 0 of none.
-inline double Median(std::vector<double> values) {
+template <typename Value>
+Value Median(std::vector<Value> values) {
   if (values.empty()) {
-    return 0.0;
+    return Value{};
   }
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());

@@ -22,8 +22,17 @@ struct StereoCorrection {
   Eigen::Matrix3d Matrix() const;
   /// By `turn`, of Matrix() * point.
   Eigen::Matrix3d ByTurn(const Eigen::Vector3d& point) const;
-  /// What a camera as calibrated would see, on the normalised plane.
-  Eigen::Vector2d Undo(const Eigen::Vector2d& seen) const;
+};
+
+/// From where the right camera sees a point to where one as calibrated would, on the normalised
+/// plane.
+class StereoUndo {
+ public:
+  explicit StereoUndo(const StereoCorrection& correction);
+  Eigen::Vector2d operator()(const Eigen::Vector2d& seen) const;
+
+ private:
+  Eigen::Matrix3d inverse_;
 };
 
 }  // namespace gluevo::vo

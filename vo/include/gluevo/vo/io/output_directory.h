@@ -9,8 +9,10 @@ namespace gluevo::vo {
 /// computes nothing that cannot be kept.
 void MakeOutputDirectory(const std::filesystem::path& directory);
 
-/// The same for as long as it lives: at its end a directory that it made, and into which nothing
-/// was put, goes again.
+/// The same for as long as it lives, and for one such object at a time: throws Error where another,
+/// of whichever program, has the directory. (A lock of the directory itself: no file tells of it,
+/// and it is gone with its program. File systems without locks let all pass.) At its end a
+/// directory that it made, and into which nothing was put, goes again.
 class OutputDirectory {
  public:
   explicit OutputDirectory(std::filesystem::path path);
@@ -21,6 +23,7 @@ class OutputDirectory {
  private:
   std::filesystem::path path_;
   bool is_new_;
+  int descriptor_ = -1;  ///< Holds the lock.
 };
 
 }  // namespace gluevo::vo

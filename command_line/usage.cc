@@ -9,7 +9,7 @@
 
 #include "command_line/message.h"
 #include "command_line/standard_streams.h"
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::apps {
 namespace {
@@ -78,6 +78,11 @@ std::string TextOfMismatch(const CLI::App& command, const std::string& what) {
              : name + " has no value, expected: " + option->get_description();
 }
 
+// Where to look for what options take.
+std::string SeeHelp(const CLI::App& app) {
+  return "; see " + FullName(app, CommandOf(app)) + " --help";
+}
+
 template <typename Kind>
 bool Is(const CLI::ParseError& error) {
   return dynamic_cast<const Kind*>(&error) != nullptr;
@@ -98,7 +103,13 @@ std::string TextOf(const CLI::App& app, const CLI::ParseError& error) {
   } else if (Is<CLI::ExcludesError>(error)) {
     text += ", expected one of them";
   }
-  return text + "; see " + FullName(app, command) + " --help";
+  return text + SeeHelp(app);
+}
+
+int RefuseUsage(const CLI::App& app, const std::string& text) {
+  constexpr int kBadUsage = 2;
+  PrintMessage(app.get_name() + ": error", text);
+  return kBadUsage;
 }
 
 int Parse(CLI::App& app, int argc, char** argv) {
@@ -111,9 +122,7 @@ int Parse(CLI::App& app, int argc, char** argv) {
     status = app.exit(success, text, text);
     std::cout << text.str();
   } catch (const CLI::ParseError& error) {
-    constexpr int kBadUsage = 2;
-    PrintMessage(app.get_name() + ": error", TextOf(app, error));
-    status = kBadUsage;
+    status = RefuseUsage(app, TextOf(app, error));
   }
   CheckStandardOutput();
   return status;
@@ -125,6 +134,8 @@ int RunCommandLine(CLI::App& app, int argc, char** argv) {
   PrepareStandardStreams();
   try {
     return Parse(app, argc, argv);
+  } catch (const OptionError& error) {
+    return RefuseUsage(app, error.what() + SeeHelp(app));
   } catch (const std::exception& error) {
     PrintMessage(app.get_name() + ": error", error.what());
     return 1;

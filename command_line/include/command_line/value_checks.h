@@ -19,8 +19,9 @@ CLI::Validator OneOf(const std::vector<std::string>& names);
 /// Of a file's name: not empty, as a shell's variable that is not set leaves it.
 CLI::Validator FileName();
 
-/// Gives every option of a command, and of those below it, that takes a number or a switch and has
-/// no check of its own one: finite, whole where it is counted, true or false.
+/// Gives every option of a command, and of those below it, that has no check of its own one:
+/// numbers are finite, whole where they are counted, switches true or false, names and texts not
+/// empty.
 void CheckAllValues(CLI::App& app);
 
 }  // namespace gluevo::apps

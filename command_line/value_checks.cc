@@ -80,6 +80,14 @@ CLI::Validator Switch() {
           ""};
 }
 
+// An empty name is a variable of a script that was never set, not a wish for the default.
+CLI::Validator NotEmpty() {
+  return {[](std::string& text) {
+            return text.empty() ? Refusal("a value that is not empty", text) : std::string();
+          },
+          ""};
+}
+
 std::optional<CLI::Validator> CheckOfType(const CLI::Option& option) {
   // Those with a check of their own have a type that tells it.
   const std::string type = option.get_type_name();
@@ -95,7 +103,7 @@ std::optional<CLI::Validator> CheckOfType(const CLI::Option& option) {
   if (type == "FLOAT") {
     return Number("a number", "", [](double) { return true; });
   }
-  return std::nullopt;
+  return type.starts_with("TEXT") ? std::optional(NotEmpty()) : std::nullopt;
 }
 
 }  // namespace
