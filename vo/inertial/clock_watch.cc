@@ -97,7 +97,8 @@ std::optional<ClockWatch::Offset> ClockWatch::Estimate() const {
     if (offsets.empty()) {
       continue;
     }
-    const Offset mean = MeanOf(offsets);
+    Offset mean = MeanOf(offsets);
+    mean.is_part = &offsets == &all[1];
     if (!surest ||
         std::abs(mean.offset_s) * surest->sigma_s > std::abs(surest->offset_s) * mean.sigma_s) {
       surest = mean;
@@ -108,17 +109,20 @@ std::optional<ClockWatch::Offset> ClockWatch::Estimate() const {
 
 std::string ClockWatch::Fault() const {
   constexpr double kLeastS = 3e-3;
+  // Of 6 and 20 ms 0.37 to 0.44 are seen (InertialOdometryTest.SaysThatTheClocksAreApart).
+  constexpr double kPart = 0.5;
   constexpr double kSurelySigmas = 5.0;
   constexpr double kMs = 1e3;
   const auto offset = Estimate();
-  if (!offset || std::abs(offset->offset_s) < kLeastS ||
+  if (!offset || std::abs(offset->offset_s) < (offset->is_part ? kPart : 1.0) * kLeastS ||
       std::abs(offset->offset_s) < kSurelySigmas * offset->sigma_s) {
     return "";
   }
   std::ostringstream text;
-  text << std::fixed << std::setprecision(1) << "the inertial unit's stamps are about "
-       << kMs * std::abs(offset->offset_s) << " ms (sigma " << std::setprecision(2)
-       << kMs * offset->sigma_s << ") too " << (offset->offset_s > 0.0 ? "late" : "early")
+  text << std::fixed << std::setprecision(1) << "the inertial unit's stamps are "
+       << (offset->is_part ? "at least " : "about ") << kMs * std::abs(offset->offset_s)
+       << " ms (sigma " << std::setprecision(2) << kMs * offset->sigma_s << ") too "
+       << (offset->offset_s > 0.0 ? "late" : "early")
        << " for the images: turns of the gyroscope and of the images say so";
   return text.str();
 }

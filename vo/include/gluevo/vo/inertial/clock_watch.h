@@ -31,6 +31,8 @@ class ClockWatch {
   struct Offset {
     double offset_s = 0.0;
     double sigma_s = 0.0;  ///< One standard deviation, by how well turns fit.
+    /// Of frames in whose map the readings have a say: what there is is more than twice as much.
+    bool is_part = false;
   };
   /// By the frames with a say of the readings or by those without, whichever are the surer that it
   /// is not zero; nothing where too little was seen. Readings that are stamped late have a positive
