@@ -12,6 +12,10 @@ void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
   estimator.Add("--keyframe-parallax", window.keyframe_parallax_px,
                 "A frame is a key frame when its tracks have moved so far since the last one, "
                 "pixels at a focal length of 460");
+  estimator
+      .Add("--keyframe-overlap", window.min_keyframe_overlap,
+           "... or when the last one sees less than this share of its tracks")
+      ->check(Within(0.0, 1.0));
   estimator.Add("--iterations", window.max_iterations, "Of each bundle adjustment, at most");
   estimator
       .Add("--solver", window.solver, "Of the bundle adjustment: gluevo, or ceres to compare with")

@@ -21,6 +21,7 @@ void SlidingWindowOptions::Validate() const {
   }
   CheckPositive(max_mean_error_px, "window.max_mean_error_px");
   CheckPositive(keyframe_parallax_px, "window.keyframe_parallax_px (--keyframe-parallax)");
+  CheckWithin(min_keyframe_overlap, 0.0, 1.0, "window.min_keyframe_overlap (--keyframe-overlap)");
   CheckAtLeast(min_tracked, 0, "window.min_tracked");
   CheckAtLeast(min_long_tracked, 0, "window.min_long_tracked");
   CheckAtLeast(long_track, 2, "window.long_track");

@@ -26,13 +26,19 @@ void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
   if (!newest.is_keyframe) {
     const auto last_keyframe = std::find_if(std::next(frames_.rbegin()), frames_.rend(),
                                             [](const Frame& frame) { return frame.is_keyframe; });
+    if (last_keyframe == frames_.rend()) {
+      newest.is_keyframe = true;
+      return;
+    }
+    const Overlap overlap = OverlapOf(*last_keyframe, newest);
     newest.is_keyframe =
-        last_keyframe == frames_.rend() ||
-        MeanParallax(*last_keyframe, newest) >= FromReferencePx(options_.keyframe_parallax_px);
+        static_cast<double>(overlap.landmarks) <
+            options_.min_keyframe_overlap * static_cast<double>(tracked) ||
+        overlap.mean_parallax >= FromReferencePx(options_.keyframe_parallax_px);
   }
 }
 
-double SlidingWindow::MeanParallax(const Frame& before, const Frame& now) const {
+SlidingWindow::Overlap SlidingWindow::OverlapOf(const Frame& before, const Frame& now) const {
   const Eigen::Quaterniond& body_from_left = calibrated_rig_.body_from_cam[0].rotation;
   const Eigen::Quaterniond now_from_before =
       (now.world_from_body.rotation * body_from_left).conjugate() *
@@ -55,7 +61,7 @@ double SlidingWindow::MeanParallax(const Frame& before, const Frame& now) const 
     }
   }
   // Frames that share nothing are as far apart as can be.
-  return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
+  return {count, count > 0 ? sum / count : std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace gluevo::vo

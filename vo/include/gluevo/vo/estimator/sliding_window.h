@@ -172,9 +172,13 @@ class SlidingWindow {
   AnchoredPoint ToAnchoredPoint(const Landmark& landmark) const;
   double InverseDepthSigma(const Landmark& landmark, double noise) const;
   void DecideKeyframe(std::size_t new_tracks);
-  /// How far landmarks that both frames see have moved, on the normalised plane, once the rig's
-  /// turn is taken out, which tells nothing of depths.
-  double MeanParallax(const Frame& before, const Frame& now) const;
+  struct Overlap {
+    int landmarks = 0;  ///< That both frames see.
+    /// How far they have moved, on the normalised plane, once the rig's turn is taken out, which
+    /// tells nothing of depths.
+    double mean_parallax = 0.0;
+  };
+  Overlap OverlapOf(const Frame& before, const Frame& now) const;
   /// The point in the first view (as Landmark::point), where triangulation succeeds.
   std::optional<Eigen::Vector3d> TriangulateViews(const std::vector<LandmarkView>& views) const;
   std::optional<double> MeanReprojectionError(const Landmark& landmark) const;
