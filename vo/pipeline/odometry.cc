@@ -93,55 +93,54 @@ FrameResult Odometry::Process(const StereoFrame& frame) {
   Expect(frame.timestamp_ns);
   Track(frame, result);
   StageTimer timer(result.stages_ms);
-  TrackedFrame& tracked = result.tracked_frame;
-
-  std::optional<FramePose> pose = Locate(tracked, result);
-  timer.End("estimator");
-  while (!pose && Retry(tracked)) {
-    timer.End("frontend");
-    pose = Locate(tracked, result);
-    timer.End("estimator");
-  }
-  HeedContradictions(pose.has_value(), result);
+  const std::optional<FramePose> pose = LocateByAnyWay(result, timer);
   last_timestamp_ns_ = frame.timestamp_ns;
-  if (!pose && MayPassOver(tracked)) {
+  if (!pose && MayPassOver(result.tracked_frame)) {
     PassOver(result);
-    BeginAnnounced(/*is_passed_over=*/true);
-    timer.End("estimator");
-    return result;
+  } else {
+    const bool is_accepted = BeginAnnounced(/*is_passed_over=*/false);
+    const bool is_linked = Enter(pose, result);
+    Conclude(is_linked, result);
+    if (!is_accepted) {
+      frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
+    }
   }
-  const bool is_accepted = BeginAnnounced(/*is_passed_over=*/false);
+  timer.End("estimator");
+  return result;
+}
+
+bool Odometry::Enter(std::optional<FramePose> pose, FrameResult& result) {
+  const TrackedFrame& tracked = result.tracked_frame;
+  const bool is_located = pose.has_value();
   TrackedFrame at_rest = tracked;
-  if (pose) {
+  if (is_located) {
     if (navigation_) {
-      navigation_->WatchClock({frame.timestamp_ns, pose->world_from_body}, window_->has_inertia());
+      navigation_->WatchClock({result.timestamp_ns, pose->world_from_body}, window_->has_inertia());
     }
     Judge(at_rest, *pose, result);
   } else {
     pose = Bridge(tracked);
-    result.is_bridged = pose.has_value();
   }
   const bool is_linked = pose && Estimate(at_rest, *pose);
+  result.is_bridged = is_linked && !is_located;
   if (!is_linked) {
-    result.is_bridged = false;
     pose = StartSegment(tracked);
     Estimate(tracked, *pose);
   }
+  result.inliers = pose->inliers;
+  return is_linked;
+}
+
+void Odometry::Conclude(bool is_linked, FrameResult& result) {
   result.world_from_body = window_->world_from_body();
   result.window = window_->Poses();
   result.is_keyframe = window_->newest_is_keyframe();
-  result.inliers = pose->inliers;
   Describe(result);
   Rate(is_linked, result);
   window_->Slide();
   FollowInertia(is_linked, result);
   passed_over_ = 0;
-  history_.Add({frame.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
-  if (!is_accepted) {
-    frontend_->Accept({.is_keyframe = result.is_keyframe, .starts_segment = !is_linked});
-  }
-  timer.End("estimator");
-  return result;
+  history_.Add({result.timestamp_ns, result.world_from_body}, /*starts_segment=*/!is_linked);
 }
 
 void Odometry::CheckTime(int64_t timestamp_ns) const {
@@ -172,6 +171,7 @@ void Odometry::PassOver(FrameResult& result) {
   RateByMotionBefore(result);
   Describe(result);
   frontend_->Accept({.is_passed_over = true});
+  BeginAnnounced(/*is_passed_over=*/true);
 }
 
 void Odometry::Track(const StereoFrame& frame, FrameResult& result) {

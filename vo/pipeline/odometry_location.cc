@@ -1,12 +1,27 @@
 #include <vector>
 
 #include "gluevo/vo/core/reference_focal.h"
+#include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "gluevo/vo/pipeline/odometry.h"
 #include "odometry_frame_pose.h"
 
 // Where a frame is, by what was seen before.
 namespace gluevo::vo {
+
+std::optional<Odometry::FramePose> Odometry::LocateByAnyWay(FrameResult& result,
+                                                            StageTimer& timer) {
+  TrackedFrame& tracked = result.tracked_frame;
+  std::optional<FramePose> pose = Locate(tracked, result);
+  timer.End("estimator");
+  while (!pose && Retry(tracked)) {
+    timer.End("frontend");
+    pose = Locate(tracked, result);
+    timer.End("estimator");
+  }
+  HeedContradictions(pose.has_value(), result);
+  return pose;
+}
 
 std::optional<Odometry::FramePose> Odometry::Locate(const TrackedFrame& frame,
                                                     FrameResult& result) const {

@@ -24,6 +24,7 @@
 namespace gluevo::vo {
 
 class SlidingWindow;
+class StageTimer;
 namespace internal {
 class TrackingAhead;
 }
@@ -82,6 +83,8 @@ class Odometry {
   bool BeginAnnounced(bool is_passed_over);
   /// Another way to match the frame that the front end gave last; false where there is none.
   bool Retry(TrackedFrame& tracked);
+  /// By what the front end found, or finds by its other ways.
+  std::optional<FramePose> LocateByAnyWay(FrameResult& result, StageTimer& timer);
   /// Also says in `result` what it was located by.
   std::optional<FramePose> Locate(const TrackedFrame& frame, FrameResult& result) const;
   /// The same where keypoints have a standard deviation of `noise_px`, of kReferenceFocalPx.
@@ -92,6 +95,11 @@ class Odometry {
   /// Whether a frame that cannot be located is no reason to give up what is known.
   bool MayPassOver(const TrackedFrame& frame) const;
   void PassOver(FrameResult& result);
+  /// Takes the frame into the window with a pose, the inertial unit's where it has none, or as the
+  /// first of a new segment. False where it is that.
+  bool Enter(std::optional<FramePose> pose, FrameResult& result);
+  /// What comes out of it, and the way made free for the next frame.
+  void Conclude(bool is_linked, FrameResult& result);
   /// Takes the frame into the window. False where the estimate diverges.
   bool Estimate(const TrackedFrame& tracked, const FramePose& pose);
   FramePose StartSegment(const TrackedFrame& frame);
