@@ -139,13 +139,6 @@ CLI::Validator Share() {
   return Number("a number " + bounds, bounds, [](double x) { return x >= 0.0 && x < 1.0; });
 }
 
-CLI::Validator FileName() {
-  return {[](const std::string& text) {
-            return text.empty() ? Refusal("a file", text) : std::string();
-          },
-          ""};
-}
-
 CLI::Validator OneOf(const std::vector<std::string>& names) {
   return {[names](std::string& text) {
             return std::find(names.begin(), names.end(), text) != names.end()

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "command_line/value_checks.h"
 #include "gluevo/nn/option_error.h"
 #include "option_group.h"
 
@@ -16,21 +15,16 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::
       "on: recognise places that were seen before, and write trajectory_optimized, which fits "
       "them; the other results stay as they are without. Where nothing asks for loops a run that "
       "cannot have them goes on without");
-  loops
-      .Add("--codebook", config.codebook,
-           "Of places, made by gluevo codebook; without one that of the built-in SuperPoint")
-      ->check(FileName());
-  loops
-      .Add("--save-map", save_map,
-           "File to write the map to, for --load-map and gluevo localize: key frames with their "
-           "keypoints and poses, and the loops between them; turns --loops on")
-      ->check(FileName());
-  loops
-      .Add("--load-map", config.load_map,
-           "Come back to the places of such a file, too: trajectory_optimized is then in the map's "
-           "frame from where the first of them is seen; with --save-map the map goes on growing; "
-           "turns --loops on")
-      ->check(FileName());
+  loops.Add("--codebook", config.codebook,
+            "Of places, made by gluevo codebook; without one that of the built-in SuperPoint");
+  loops.Add("--save-map", save_map,
+            "File to write the map to, for --load-map and gluevo localize: key frames with their "
+            "keypoints and poses, and the loops between them; turns --loops on");
+  loops.Add(
+      "--load-map", config.load_map,
+      "Come back to the places of such a file, too: trajectory_optimized is then in the map's "
+      "frame from where the first of them is seen; with --save-map the map goes on growing; "
+      "turns --loops on");
   loops.Add("--loop-interval", config.options.interval_s,
             "A key frame is kept for coming back to at most this often, seconds");
   loops.Add("--loop-min-age", config.options.min_age_s,

@@ -96,7 +96,7 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
     ExpectBadUsage(run + option, "(" + option.substr(0, option.find(' ')) + ")");
   }
   ExpectBadUsage(run + "--loop-interval -1 --loops on", "(--loop-interval)");
-  ExpectBadUsage(run + "--final-adjustment on", "expected --loops on");
+  ExpectBadUsage(run + "--loops off --final-adjustment on", "expected --loops on");
   const std::string simulate = "simulate -o " + Path("other");
   for (const std::string& command :
        {simulate + " --duration 0", simulate + " --calibration-error 11", simulate + " --width 16",

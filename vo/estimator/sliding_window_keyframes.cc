@@ -31,10 +31,9 @@ void SlidingWindow::DecideKeyframe(std::size_t new_tracks) {
       return;
     }
     const Overlap overlap = OverlapOf(*last_keyframe, newest);
-    newest.is_keyframe =
-        static_cast<double>(overlap.landmarks) <
-            options_.min_keyframe_overlap * static_cast<double>(tracked) ||
-        overlap.mean_parallax >= FromReferencePx(options_.keyframe_parallax_px);
+    newest.is_keyframe = static_cast<double>(overlap.landmarks) <
+                             options_.min_keyframe_overlap * static_cast<double>(tracked) ||
+                         overlap.mean_parallax >= FromReferencePx(options_.keyframe_parallax_px);
   }
 }
 

@@ -16,8 +16,6 @@ CLI::Validator Within(double low, double high);
 /// Of a whole, or a confidence: 0 or more, but below 1.
 CLI::Validator Share();
 CLI::Validator OneOf(const std::vector<std::string>& names);
-/// Of a file's name: not empty, as a shell's variable that is not set leaves it.
-CLI::Validator FileName();
 
 /// Gives every option of a command, and of those below it, that has no check of its own one:
 /// numbers are finite, whole where they are counted, switches true or false, names and texts not

@@ -96,12 +96,20 @@ TEST(InertialMotionsTest, AtConstantVelocityStereoAloneGoesOnToTheLastBit) {
   }
 }
 
-// By the mean of some flights: in each alone chance decides which of the two is ahead.
-TEST(InertialMotionsTest, RestPureRotationAndMotionInAPlaneDoNoHarm) {
-  for (const std::string path : {"rest", "spin", "planar"}) {
+// By the mean of some flights: in each alone chance decides which of the two is ahead, at rest by a
+// factor of two.
+TEST(InertialMotionsTest, PureRotationAndMotionInAPlaneGainAndRestLosesLittle) {
+  struct Case {
+    std::string path;
+    unsigned flights;
+    double bound;
+  };
+  // That rest loses at all (METHODS, known weak spots) is no more than this.
+  for (const auto& [path, flights, bound] :
+       {Case{"rest", 30, 1.1}, Case{"spin", 6, 0.9}, Case{"planar", 6, 0.9}}) {
     double with = 0.0;
     double without = 0.0;
-    for (const unsigned seed : {1U, 2U, 3U, 4U, 5U, 6U}) {
+    for (unsigned seed = 1; seed <= flights; ++seed) {
       const Flight flight(path, /*seconds=*/8, seed);
       ASSERT_TRUE(flight.inertial().begin()) << path;
       EXPECT_EQ(flight.inertial().begin()->is_at_rest, path == "rest");
@@ -112,7 +120,7 @@ TEST(InertialMotionsTest, RestPureRotationAndMotionInAPlaneDoNoHarm) {
       with += flight.Error(flight.with());
       without += flight.Error(flight.without());
     }
-    EXPECT_LT(with, 1.05 * without) << path;
+    EXPECT_LT(with, bound * without) << path;
   }
 }
 
