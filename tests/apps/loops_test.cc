@@ -142,7 +142,8 @@ TEST_F(LoopsTest, AnEmptyNameIsNoMap) {
   for (const std::string option : {" --load-map", " --save-map", " --codebook"}) {
     const Outcome outcome = Run(run + option + " ''");
     EXPECT_NE(outcome.exit_code, 0) << option;
-    EXPECT_NE(outcome.error.find("expected a value that is not empty, got \"\""), std::string::npos) << outcome.error;
+    EXPECT_NE(outcome.error.find("expected a value that is not empty, got \"\""), std::string::npos)
+        << outcome.error;
   }
 }
 
