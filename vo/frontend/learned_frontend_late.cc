@@ -21,13 +21,12 @@ void LearnedFrontEnd::SendToNetworks() {
   for (cv::Mat& image : sight.frame.images) {
     image = image.clone();  // The caller may use its memory again.
   }
-  late_.emplace();
-  late_->sight =
-      std::async(std::launch::async, [this, sight = std::move(sight), reference = reference_,
-                                      keyframe = KeyframeToRematch()]() mutable {
-        RunNetworksOn(reference, keyframe, sight);
-        return std::move(sight);
-      });
+  late_ = LateSight{.sight = std::async(std::launch::async,
+                                        [this, sight = std::move(sight), reference = reference_,
+                                         keyframe = KeyframeToRematch()]() mutable {
+                                          RunNetworksOn(reference, keyframe, sight);
+                                          return std::move(sight);
+                                        })};
   frames_since_networks_ = 0;
 }
 
