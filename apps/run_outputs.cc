@@ -96,6 +96,9 @@ void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
   }
   if (context.loops) {
     write("trajectory_optimized", context.loops->optimized, WorldOfPlaces(records));
+  } else {
+    // An earlier run's would be taken for this one's.
+    fs::remove(places.folder / (std::string("trajectory_optimized") + format.extension));
   }
 }
 

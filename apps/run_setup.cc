@@ -2,8 +2,11 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "command_line/message.h"
 #include "command_line/value_checks.h"
@@ -101,6 +104,19 @@ void SetUpLoops(const RunArguments& arguments, const vo::Networks& networks, int
       *setup.loop_threads));
 }
 
+namespace {
+
+// A name that is mistyped is no reason to go on without what it was given for.
+bool NamesWeightsThatAreNot(const vo::NetworkFiles& files) {
+  const std::vector<fs::path> named = WeightsInputs(files);
+  return std::any_of(named.begin(), named.end(), [](const fs::path& file) {
+    std::error_code code;
+    return !file.empty() && !fs::exists(file, code);
+  });
+}
+
+}  // namespace
+
 void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& arguments,
                    RunSetup& setup) {
   const vo::FrontEndConfig& config = arguments.config.frontend;
@@ -108,11 +124,12 @@ void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& argume
   setup.features = setup.method == "klt" ? "" : config.features;
   setup.matcher = vo::MatcherOf(config);
   if (arguments.loops.is_on) {
+    arguments.loops.options.Validate();
     try {
       setup.networks = vo::LoadNetworksWithLoops(config);
       SetUpLoops(arguments, setup.networks, pool.size(), setup);
     } catch (const Error& error) {
-      if (arguments.needs_loops) {
+      if (arguments.needs_loops || NamesWeightsThatAreNot(config.networks)) {
         throw;
       }
       setup.networks = vo::LoadFrontEndNetworks(config);  // What fails here is not only loops'.

@@ -96,6 +96,8 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
     ExpectBadUsage(run + option, "(" + option.substr(0, option.find(' ')) + ")");
   }
   ExpectBadUsage(run + "--loop-interval -1 --loops on", "(--loop-interval)");
+  ExpectBadUsage(run + "--loop-candidates 0", "(--loop-candidates)");
+  EXPECT_EQ(Run(run + "--superpoint absent.safetensors").exit_code, 1);
   ExpectBadUsage(run + "--loops off --final-adjustment on", "expected --loops on");
   const std::string simulate = "simulate -o " + Path("other");
   for (const std::string& command :
