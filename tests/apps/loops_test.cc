@@ -127,6 +127,7 @@ TEST_F(LoopsTest, FinalAdjustmentIsOfWhatLoopsKeep) {
 
 TEST_F(LoopsTest, ARunThatCannotHaveThemSaysSoAndGoesOnUnlessTheyAreAskedFor) {
   const std::string flight = Flight("1");
+  std::ofstream(Path("none")) << "no weights";
   const std::string run = "run " + flight + " --method klt --superpoint " + Path("none") + " -o ";
   const Outcome without = Run(run + Path("out"));
   ASSERT_EQ(without.exit_code, 0) << without.error;
