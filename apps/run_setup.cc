@@ -52,7 +52,7 @@ void AddRunArguments(CLI::App& command, RunArguments& arguments) {
 }
 
 std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments& arguments) {
-  const std::map<std::string, bool> given = OptionsGiven(command);
+  std::map<std::string, bool> given = OptionsGiven(command);
   if (!arguments.config_file.empty()) {
     ApplyYamlConfig(command, arguments.config_file);
   }
