@@ -104,8 +104,7 @@ std::optional<WindowEquations::MotionCovariance> WindowEquations::CovarianceOfMo
   columns_.setZero(reduced_.rows(), kMotion + kGravity);
   columns_.block<kMotion, kMotion>(motion, 0).setIdentity();
   columns_.block<kGravity, kGravity>(gravity, kMotion).setIdentity();
-  reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);
-  reduced_.transpose().triangularView<Eigen::Upper>().solveInPlace(columns_);
+  SolveColumns();
   MotionCovariance covariance;
   covariance << columns_.middleRows<kMotion>(motion), columns_.middleRows<kGravity>(gravity);
   return covariance.allFinite() ? std::optional(covariance) : std::nullopt;
@@ -122,9 +121,13 @@ Eigen::Vector3d WindowEquations::VarianceOfTurn() {
 
 Eigen::Vector3d WindowEquations::StepOfTurn() {
   columns_ = step_;
+  SolveColumns();
+  return -columns_.block<3, 1>(system_.columns.Turn(), 0);
+}
+
+void WindowEquations::SolveColumns() {
   reduced_.triangularView<Eigen::Lower>().solveInPlace(columns_);
   reduced_.transpose().triangularView<Eigen::Upper>().solveInPlace(columns_);
-  return -columns_.block<3, 1>(system_.columns.Turn(), 0);
 }
 
 double WindowEquations::VarianceOfColumn(int column) {

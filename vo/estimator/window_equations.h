@@ -53,7 +53,9 @@ class WindowEquations {
   double predicted_decrease() const { return predicted_decrease_; }
 
  private:
-  /// Of one column, once Covariance() has given something.
+  /// The equations for columns_ as right sides, once Covariance() has given something.
+  void SolveColumns();
+  /// Of one column, likewise.
   double VarianceOfColumn(int column);
   /// The damped equations without points, of which step_ is the right side, for step_.
   bool SolveReduced();

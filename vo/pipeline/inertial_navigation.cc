@@ -10,7 +10,6 @@
 #include "gluevo/vo/inertial/gyroscope_check.h"
 
 namespace gluevo::vo {
-namespace {}  // namespace
 
 void InertialOptions::Validate() const {
   start.Validate();

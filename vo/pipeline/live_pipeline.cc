@@ -13,6 +13,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/bounded_queue.h"
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "latency_histogram.h"
 #include "stamp_watch.h"
@@ -226,8 +227,7 @@ void LivePipeline::State::MakeReady(StereoFrame& frame) {
 }
 
 bool LivePipeline::State::GiveWayToNewer(StereoFrame& frame) {
-  const bool is_old =
-      1e-9 * static_cast<double>(clock_() - frame.timestamp_ns) > options_.max_age_s;
+  const bool is_old = SecondsBetween(frame.timestamp_ns, clock_()) > options_.max_age_s;
   std::optional<StereoFrame> newer = is_old ? frames_.TryPop() : std::nullopt;
   if (!newer) {
     return false;
