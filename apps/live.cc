@@ -133,7 +133,10 @@ void CheckArguments(const LiveArguments& arguments) {
   }
   std::vector<fs::path> inputs = InputsOf(arguments);
   inputs.emplace_back(is_camera ? fs::path() : fs::path(arguments.sources.front()));
-  CheckOutputsAreNoInputs(OutputsOf(arguments), inputs);
+  std::vector<fs::path> outputs = OutputsOf(arguments);
+  outputs.push_back(arguments.socket);
+  CheckOutputsAreDistinct(outputs);
+  CheckOutputsAreNoInputs(outputs, inputs);
   CheckReplacesOnlyResults(arguments.places, {}, is_camera ? "" : arguments.sources.front());
 }
 

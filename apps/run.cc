@@ -75,6 +75,7 @@ void CheckOutputs(const OfflineArguments& arguments) {
   std::vector<fs::path> inputs = InputsOf(arguments);
   inputs.push_back(arguments.dataset);
   inputs.push_back(arguments.replay);
+  CheckOutputsAreDistinct(outputs);
   CheckOutputsAreNoInputs(outputs, inputs);
   CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }

@@ -64,6 +64,12 @@ std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments
 
 std::vector<fs::path> OutputsOf(const RunArguments& arguments) {
   std::vector<fs::path> outputs = OutputFiles(arguments.places);
+  if (!arguments.places.map.empty()) {
+    for (const fs::path& file : MapFiles(arguments.places)) {
+      outputs.push_back(file);
+    }
+    outputs.push_back(ColmapFolder(arguments.places));
+  }
   outputs.push_back(arguments.places.saved_map);
   return outputs;
 }
