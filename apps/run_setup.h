@@ -41,7 +41,8 @@ struct RunArguments {
 void AddRunArguments(CLI::App& command, RunArguments& arguments);
 
 /// Once the command line is read: what the file of --config says counts where that says nothing.
-/// Returns what OptionsGiven says of the command line alone. Throws where neither names an output.
+/// Returns what OptionsGiven says of the command line alone. Throws where neither names an output,
+/// and OptionError for values that do not go with each other.
 std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments& arguments);
 
 /// Files that the arguments name: to write, and to read. (Those of one command alone apart.)

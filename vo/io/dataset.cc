@@ -195,9 +195,9 @@ Dataset OpenDataset(const fs::path& path, const DatasetOptions& options) {
   }
   CheckCalibration(dataset);
   if (static_cast<std::size_t>(options.start) >= dataset.entries.size()) {
-    throw Error("first frame " + std::to_string(options.start) + " is beyond the last, " +
-                std::to_string(dataset.entries.size() - 1) + ", of " + path.string() +
-                " (--start)");
+    throw OptionError("first frame " + std::to_string(options.start) + " is beyond the last of " +
+                      path.string() + " (--start); expected at most " +
+                      std::to_string(dataset.entries.size() - 1));
   }
   std::vector<Dataset::Entry> chosen;
   const auto wanted =

@@ -209,7 +209,7 @@ TEST_F(DatasetTest, ChoosesFrames) {
   EXPECT_EQ(times(3, 9, 2), (std::vector<int64_t>{400}));
   DatasetOptions options;
   options.start = 4;
-  ExpectContains(ErrorOf(root, options), {"first frame 4", "beyond the last, 3", "--start"});
+  ExpectContains(ErrorOf(root, options), {"first frame 4", "at most 3", "--start"});
   options = {.start = -1};
   ExpectContains(ErrorOf(root, options), {"--start"});
   options = {.start = 0, .count = 0};
