@@ -139,7 +139,11 @@ Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
   }
   if ((options.imu || options.imu_calibration) && !format.takes_calibration) {
     throw Error(root.string() +
-                ": a KITTI data set has its own inertial readings (oxts), which take no others");
+                (format.name == DatasetFormat::kKittiRaw
+                     ? ": a KITTI raw data set has its own inertial readings (oxts), which take no "
+                       "others"
+                     : ": KITTI's odometry data set has no inertial unit and no place for one's "
+                       "readings: expected no --imu FILE and no --imu-calibration"));
   }
   return format.open(root, options);
 }
