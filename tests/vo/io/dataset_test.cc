@@ -188,6 +188,15 @@ TEST_F(DatasetTest, ReadsEuroc) {
   }
 }
 
+TEST_F(DatasetTest, KittiTakesNoReadingsOfAnInertialUnit) {
+  DatasetOptions options;
+  options.imu = "readings.csv";
+  const std::string odometry = ErrorOf(MakeKittiOdometry(), options);
+  ExpectContains(odometry, {"has no inertial unit", "expected no --imu FILE"});
+  EXPECT_EQ(odometry.find("oxts"), std::string::npos) << odometry;
+  ExpectContains(ErrorOf(MakeKittiRaw(), options), {"has its own inertial readings (oxts)"});
+}
+
 TEST_F(DatasetTest, ChoosesFrames) {
   const fs::path root = MakeEuroc();
   const auto times = [&](int start, int count, int stride) {
