@@ -214,8 +214,7 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
   }
   SetUpImu(arguments, setup);
   PrintNotes(setup.dataset);
-  setup.origins =
-      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  ApplyPresetAndWarn(command, given, /*is_replay=*/false, arguments, setup);
   UseLagByClock(command, arguments.config.frontend.learned);
   SetUpFrontEnd(command, pool, arguments, setup);
   const vo::OutputDirectory output(arguments.places.folder);

@@ -112,8 +112,7 @@ RunSetup SetUp(OfflineArguments& arguments, CLI::App& command,
   if (store) {
     LeaveOutReplayed(*store, setup.dataset);
   }
-  setup.origins =
-      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  ApplyPresetAndWarn(command, given, store.has_value(), arguments, setup);
   setup.reads_images = !store || !arguments.places.map.empty() || arguments.loops.is_on;
   if (store) {
     setup.networks.records = ReplayedWeights(*store);

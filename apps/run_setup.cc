@@ -112,6 +112,18 @@ std::vector<fs::path> InputsOf(const RunArguments& arguments) {
   return inputs;
 }
 
+void ApplyPresetAndWarn(CLI::App& command, const std::map<std::string, bool>& given, bool is_replay,
+                        RunArguments& arguments, RunSetup& setup) {
+  setup.origins =
+      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  const vo::FrontEndConfig& frontend = arguments.config.frontend;
+  for (const std::string& warning : UnusedFrontEndOptions(
+           command, is_replay ? setup.method : frontend.method, is_replay, frontend.learned)) {
+    PrintMessage("gluevo: warning", warning);
+    setup.dataset.warnings.push_back(warning);
+  }
+}
+
 void SetUpImu(const RunArguments& arguments, RunSetup& setup) {
   setup.uses_imu =
       ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);

@@ -65,6 +65,11 @@ struct RunSetup {
   bool uses_imu = false;
 };
 
+/// Gives the options that nothing set the values of the preset, and says which of those that were
+/// given are without effect. `setup` has the data set, and of a replay the method.
+void ApplyPresetAndWarn(CLI::App& command, const std::map<std::string, bool>& given, bool is_replay,
+                        RunArguments& arguments, RunSetup& setup);
+
 /// Whether the inertial unit is used; what has to be there for the options. Throws Error where it
 /// is not.
 void SetUpImu(const RunArguments& arguments, RunSetup& setup);
