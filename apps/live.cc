@@ -178,7 +178,7 @@ vo::Dataset OpenSource(const LiveArguments& arguments, std::unique_ptr<CameraSou
 std::string SaveMap(const RunPlaces& places, const RunRecords& records,
                     const std::vector<vo::WeightsRecord>& weights) {
   RunPlaces here = places;
-  here.saved_map = places.saved_map.empty() ? places.folder / "map.h5" : places.saved_map;
+  here.saved_map = places.saved_map.empty() ? places.folder / "places.map" : places.saved_map;
   try {
     WritePlaces(here, records, records.loops->closer().Optimized(), vo::FeaturesOf(weights));
   } catch (const Error& error) {

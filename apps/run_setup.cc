@@ -139,7 +139,8 @@ void SetUpImu(const RunArguments& arguments, RunSetup& setup) {
 
 void SetUpLoops(const RunArguments& arguments, const vo::Networks& networks, int threads,
                 RunSetup& setup) {
-  setup.loop_threads = vo::MakeBackgroundPool(threads);
+  // Where processors are few, one is tracking's alone.
+  setup.loop_threads = vo::MakeBackgroundPool(std::max(1, threads / 2));
   setup.loops.emplace(vo::MakeLoopRecorder(
       arguments.loops, setup.dataset.rig, networks,
       vo::MakeFrontEndExtractor(arguments.config.frontend, networks, *setup.loop_threads),
@@ -174,7 +175,9 @@ void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& argume
         throw;
       }
       setup.networks = vo::LoadFrontEndNetworks(config);  // What fails here is not only loops'.
-      PrintMessage("gluevo: note", std::string("loops are off: ") + error.what());
+      const std::string warning = std::string("loops are off: ") + error.what();
+      PrintMessage("gluevo: note", warning);
+      setup.dataset.warnings.push_back(warning);
       SetLoops(command, false, arguments.loops);
     }
   } else {
