@@ -150,66 +150,154 @@ void FastFeatureRows(const FeatureRows& p) {
   }
 }
 
-void FastScoreRow(const ScoreRow& p) {
-  const Tag d;
-  for (int64_t x = 0; x < p.width; ++x) {
-    alignas(64) float values[kBlock];
-    for (int lane = 0; lane < p.channels; lane += kLanes) {
-      Vector sum = hn::Load(d, p.row + x * kBlock + lane);
-      for (int map = 0; map < 3; ++map) {
-        sum = hn::Add(sum, Interpolate(p.maps[map], 0, p.tap_y[map], p.taps_x[map][x], lane));
-      }
-      hn::Store(SeluOf(sum), d, values + lane);
-    }
-    for (int64_t c = 0; c < p.channels; ++c) {
-      p.out[c * p.plane_stride + x] = values[c];
+// Channels of the score head's first layer that are computed together: all that the published
+// networks have.
+inline constexpr int kGroup = 8;
+using GroupTag = hn::CappedTag<float, kGroup>;
+inline constexpr int kGroupLanes = static_cast<int>(hn::MaxLanes(GroupTag()));
+
+// low + weight (high - low), channel by channel.
+HWY_INLINE hn::Vec<GroupTag> Between(const float* low, const float* high, float weight) {
+  const GroupTag d;
+  const auto from = hn::Load(d, low);
+  return hn::MulAdd(hn::Set(d, weight), hn::Sub(hn::Load(d, high), from), from);
+}
+
+// Channels [first, first + kGroup) of a row of a map between its two rows at `tap`:
+// [width][kGroup].
+HWY_INLINE void BlendRows(const BlockedMap& map, const AlignedTap& tap, int64_t first, float* to) {
+  const float* const low = map.pixel(0, tap.low, 0) + first;
+  const float* const high = map.pixel(0, tap.high, 0) + first;
+  for (int64_t x = 0; x < map.width; ++x) {
+    for (int lane = 0; lane < kGroup; lane += kGroupLanes) {
+      const int64_t at = x * kBlock + lane;
+      hn::Store(Between(low + at, high + at, tap.weight), GroupTag(), to + x * kGroup + lane);
     }
   }
 }
 
-// kOut channels of a row, as many vectors of pixels at a time as fill the registers.
-template <int kOut>
-HWY_NOINLINE void PlanarRow(const PlanarConv3x3& p, int64_t y, int64_t out_channel) {
+// [kBlock pixels][kGroup] to [kGroup][kBlock pixels].
+HWY_INLINE void GroupToPlanes(const float* HWY_RESTRICT pixels, float* HWY_RESTRICT planes) {
+#if HWY_TARGET == HWY_SCALAR
+  for (int i = 0; i < kBlock * kGroup; ++i) {
+    planes[i % kGroup * kBlock + i / kGroup] = pixels[i];
+  }
+#else
   const Tag d;
-  constexpr int kVectors = kLanes < 16 ? 2 : 1;
-  static_assert(kBlock % (kVectors * kLanes) == 0);
-  for (int64_t x = 0; x < p.width; x += kVectors * kLanes) {
-    Vector sums[kOut][kVectors];
+  for (int x = 0; x < kBlock; x += kLanes) {
+    // Channels c and c + 4 of a pixel after each other.
+    const float* const from = pixels + x * kGroup;
+    Vector a[4];
+    Vector b[4];
+    hn::LoadInterleaved4(d, from, a[0], a[1], a[2], a[3]);
+    hn::LoadInterleaved4(d, from + 4 * kLanes, b[0], b[1], b[2], b[3]);
     HWY_UNROLL(4)
-    for (int o = 0; o < kOut; ++o) {
-      HWY_UNROLL(2)
-      for (int v = 0; v < kVectors; ++v) {
-        sums[o][v] = hn::Zero(d);
+    for (int c = 0; c < 4; ++c) {
+      hn::Store(hn::ConcatEven(d, b[c], a[c]), d, planes + c * kBlock + x);
+      hn::Store(hn::ConcatOdd(d, b[c], a[c]), d, planes + (c + 4) * kBlock + x);
+    }
+  }
+#endif
+}
+
+// The maps are interpolated along y first, where each has the fewer pixels.
+void FastScoreRow(const ScoreRow& p) {
+  const Tag d;
+  for (int64_t first = 0; first < p.channels; first += kGroup) {
+    const float* rows[3];
+    float* scratch = p.scratch;
+    for (int map = 0; map < 3; ++map) {
+      BlendRows(p.maps[map], p.tap_y[map], first, scratch);
+      rows[map] = scratch;
+      scratch += p.maps[map].width * kGroup;
+    }
+    const int64_t channels = std::min<int64_t>(kGroup, p.channels - first);
+    alignas(64) float pixels[kBlock * kGroup] = {};
+    alignas(64) float planes[kGroup * kBlock];
+    for (int64_t begin = 0; begin < p.width; begin += kBlock) {
+      const int64_t count = std::min<int64_t>(kBlock, p.width - begin);
+      for (int64_t i = 0; i < count; ++i) {
+        const int64_t x = begin + i;
+        for (int lane = 0; lane < kGroup; lane += kGroupLanes) {
+          auto sum = hn::Load(GroupTag(), p.row + x * kBlock + first + lane);
+          for (int map = 0; map < 3; ++map) {
+            const AlignedTap& tap = p.taps_x[map][x];
+            const float* const row = rows[map] + lane;
+            sum =
+                hn::Add(sum, Between(row + tap.low * kGroup, row + tap.high * kGroup, tap.weight));
+          }
+          hn::Store(sum, GroupTag(), pixels + i * kGroup + lane);
+        }
+      }
+      GroupToPlanes(pixels, planes);
+      for (int64_t c = 0; c < channels; ++c) {
+        float* const plane = planes + c * kBlock;
+        for (int lane = 0; lane < kBlock; lane += kLanes) {
+          hn::Store(SeluOf(hn::Load(d, plane + lane)), d, plane + lane);
+        }
+        std::copy_n(plane, count, p.out + (first + c) * p.plane_stride + begin);
       }
     }
-    for (int64_t c = 0; c < p.in_channels; ++c) {
-      const float* const plane =
-          p.in + c * p.plane_stride + y * p.row_stride + kPlaneMargin + x - 1;
-      const float* const weights = p.weights + (out_channel * p.in_channels + c) * 9;
-      for (int64_t tap = 0; tap < 9; ++tap) {
-        const float* const at = plane + tap / 3 * p.row_stride + tap % 3;
-        HWY_UNROLL(2)
-        for (int v = 0; v < kVectors; ++v) {
-          const Vector in = hn::LoadU(d, at + v * kLanes);
-          HWY_UNROLL(4)
-          for (int o = 0; o < kOut; ++o) {
-            sums[o][v] =
-                hn::MulAdd(in, hn::Set(d, weights[o * p.in_channels * 9 + tap]), sums[o][v]);
-          }
+  }
+}
+
+// kOut channels of kVectors vectors of pixels: as many sums as multiply-adds are under way at a
+// time, which each weight and each input serves several of.
+template <int kOut, int kVectors>
+HWY_INLINE void PlanarPixels(const PlanarConv3x3& p, int64_t y, int64_t x, int64_t out_channel) {
+  const Tag d;
+  Vector sums[kOut][kVectors];
+  HWY_UNROLL(4)
+  for (int o = 0; o < kOut; ++o) {
+    HWY_UNROLL(8)
+    for (int v = 0; v < kVectors; ++v) {
+      sums[o][v] = hn::Zero(d);
+    }
+  }
+  for (int64_t c = 0; c < p.in_channels; ++c) {
+    const float* const plane = p.in + c * p.plane_stride + y * p.row_stride + kPlaneMargin + x - 1;
+    const float* const weights = p.weights + (out_channel * p.in_channels + c) * 9;
+    for (int64_t tap = 0; tap < 9; ++tap) {
+      const float* const at = plane + tap / 3 * p.row_stride + tap % 3;
+      Vector weight[kOut];
+      HWY_UNROLL(4)
+      for (int o = 0; o < kOut; ++o) {
+        weight[o] = hn::Set(d, weights[o * p.in_channels * 9 + tap]);
+      }
+      HWY_UNROLL(8)
+      for (int v = 0; v < kVectors; ++v) {
+        const Vector in = hn::LoadU(d, at + v * kLanes);
+        HWY_UNROLL(4)
+        for (int o = 0; o < kOut; ++o) {
+          sums[o][v] = hn::MulAdd(in, weight[o], sums[o][v]);
         }
       }
     }
-    HWY_UNROLL(4)
-    for (int o = 0; o < kOut; ++o) {
-      float* const out =
-          p.out + (out_channel + o) * p.plane_stride + (y + 1) * p.row_stride + kPlaneMargin + x;
-      HWY_UNROLL(2)
-      for (int v = 0; v < kVectors; ++v) {
-        const Vector value =
-            p.activation == Activation::kSelu ? SeluOf(sums[o][v]) : SigmoidOf(sums[o][v]);
-        hn::Store(value, d, out + v * kLanes);
-      }
+  }
+  HWY_UNROLL(4)
+  for (int o = 0; o < kOut; ++o) {
+    float* const out =
+        p.out + (out_channel + o) * p.plane_stride + (y + 1) * p.row_stride + kPlaneMargin + x;
+    HWY_UNROLL(8)
+    for (int v = 0; v < kVectors; ++v) {
+      const Vector value =
+          p.activation == Activation::kSelu ? SeluOf(sums[o][v]) : SigmoidOf(sums[o][v]);
+      hn::Store(value, d, out + v * kLanes);
     }
+  }
+}
+
+template <int kOut>
+HWY_NOINLINE void PlanarRow(const PlanarConv3x3& p, int64_t y, int64_t out_channel) {
+  constexpr int kSums = kTileRows * kTileVectors;
+  constexpr int kMost = kOut > 1 ? (kSums >= 16 ? 4 : 2) : 8;
+  constexpr int kLeast = kLanes < kBlock ? 2 : 1;  // kBlock pixels are whole numbers of these.
+  int64_t x = 0;
+  for (; x + kMost * kLanes <= p.width; x += kMost * kLanes) {
+    PlanarPixels<kOut, kMost>(p, y, x, out_channel);
+  }
+  for (; x < p.width; x += kLeast * kLanes) {
+    PlanarPixels<kOut, kLeast>(p, y, x, out_channel);
   }
 }
 

@@ -83,7 +83,14 @@ struct ScoreRow {
   int64_t channels = 0;  ///< At most kBlock.
   float* out = nullptr;  ///< Channel c of pixel x at out[c * plane_stride + x].
   int64_t plane_stride = 0;
+  /// ScoreScratchFloats floats, aligned, of this thread only.
+  float* scratch = nullptr;
 };
+
+/// For coarser maps of these widths.
+inline constexpr int64_t ScoreScratchFloats(int64_t width0, int64_t width1, int64_t width2) {
+  return (width0 + width1 + width2) * kBlock;
+}
 
 enum class Activation { kSelu, kSigmoid };
 

@@ -3,6 +3,7 @@
 
 #include "aliked_buffers.h"
 #include "aliked_network.h"
+#include "kernels/winograd.h"
 #include "map_regions.h"
 
 namespace gluevo::nn {
@@ -95,51 +96,53 @@ void AlikedNetwork::Block1(float* gray, const AlikedMaps& maps, const Buffers& b
   const BlockedMap& out = maps.blocks[0];
   const int64_t width = out.width;
   const int64_t height = out.height;
-  ForRegions(workspace.pool, height, width,
-             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
-               const BlockedMap inner{buffers.RegionOf(worker), BlocksOf(layers_.widths[0]),
-                                      row_end - row, column_end - column};
-               const bool left = column == 0;
-               const bool right = column_end == width;
-               const bool top = row == 0;
-               const bool bottom = row_end == height;
-               if (left || right || top || bottom) {
-                 kernels::ClearHalo(inner);
-               }
-               kernels_->conv3x3({.in = {gray + row * (width + 2) + column, 1, height, width},
-                                  .gray = true,
-                                  .weights = layers_.block1_conv1.weights.data(),
-                                  .bias = layers_.block1_conv1.bias.data(),
-                                  .out = inner,
-                                  .row_begin = top ? 0 : -1,
-                                  .row_end = inner.height + (bottom ? 0 : 1),
-                                  .column_begin = left ? 0 : -1,
-                                  .column_end = inner.width + (right ? 0 : 1)});
-               // The halo's zeros stay zeros.
-               open_->selu({.values = inner.data,
-                            .count = BlockedMap::Floats(inner.blocks, inner.height, inner.width)});
-               BlockedMap to = out;
-               to.data += row * out.row_stride() + column * kBlock;
-               kernels_->conv3x3({.in = inner,
-                                  .weights = layers_.block1_conv2.weights.data(),
-                                  .bias = layers_.block1_conv2.bias.data(),
-                                  .out = to,
-                                  .row_end = inner.height,
-                                  .column_end = inner.width});
-               SeluRegion(out, {row, row_end, column, column_end});
-               open_->average_pool({.in = out,
-                                    .size = 2,
-                                    .out = buffers.pooled[1],
-                                    .row_begin = row / 2,
-                                    .row_end = row_end / 2,
-                                    .column_begin = column / 2,
-                                    .column_end = column_end / 2});
-               if (maps.scores[0].data != nullptr) {
-                 for (int64_t y = row; y < row_end; ++y) {
-                   ProjectRow(0, y, column, column_end - column, maps, buffers.RowOf(worker));
-                 }
-               }
-             });
+  ForRegions(
+      workspace.pool, height, width,
+      [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
+        const BlockedMap inner{buffers.RegionOf(worker), BlocksOf(layers_.widths[0]), row_end - row,
+                               column_end - column};
+        const bool left = column == 0;
+        const bool right = column_end == width;
+        const bool top = row == 0;
+        const bool bottom = row_end == height;
+        if (left || right || top || bottom) {
+          kernels::ClearHalo(inner);
+        }
+        layers_.block1_conv1.kernel({.in = {gray + row * (width + 2) + column, 1, height, width},
+                                     .gray = true,
+                                     .weights = layers_.block1_conv1.weights.data(),
+                                     .bias = layers_.block1_conv1.bias.data(),
+                                     .out = inner,
+                                     .row_begin = top ? 0 : -1,
+                                     .row_end = inner.height + (bottom ? 0 : 1),
+                                     .column_begin = left ? 0 : -1,
+                                     .column_end = inner.width + (right ? 0 : 1)});
+        // The halo's zeros stay zeros.
+        open_->selu({.values = inner.data,
+                     .count = BlockedMap::Floats(inner.blocks, inner.height, inner.width)});
+        BlockedMap to = out;
+        to.data += row * out.row_stride() + column * kBlock;
+        layers_.block1_conv2.kernel({.in = inner,
+                                     .weights = layers_.block1_conv2.weights.data(),
+                                     .bias = layers_.block1_conv2.bias.data(),
+                                     .out = to,
+                                     .row_end = inner.height,
+                                     .column_end = inner.width,
+                                     .scratch = buffers.WinogradOf(worker)});
+        SeluRegion(out, {row, row_end, column, column_end});
+        open_->average_pool({.in = out,
+                             .size = 2,
+                             .out = buffers.pooled[1],
+                             .row_begin = row / 2,
+                             .row_end = row_end / 2,
+                             .column_begin = column / 2,
+                             .column_end = column_end / 2});
+        if (maps.scores[0].data != nullptr) {
+          for (int64_t y = row; y < row_end; ++y) {
+            ProjectRow(0, y, column, column_end - column, maps, buffers.RowOf(worker));
+          }
+        }
+      });
 }
 
 void AlikedNetwork::Block2(const AlikedMaps& maps, const Buffers& buffers,
@@ -148,27 +151,29 @@ void AlikedNetwork::Block2(const AlikedMaps& maps, const Buffers& buffers,
   const BlockedMap& inner = buffers.inner[1];
   const BlockedMap& out = maps.blocks[1];
   ForRegions(workspace.pool, in.height, in.width,
-             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int /*worker*/) {
-               kernels_->conv3x3({.in = in,
-                                  .weights = layers_.block2_conv1.weights.data(),
-                                  .bias = layers_.block2_conv1.bias.data(),
-                                  .out = inner,
-                                  .row_begin = row,
-                                  .row_end = row_end,
-                                  .column_begin = column,
-                                  .column_end = column_end});
+             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
+               layers_.block2_conv1.kernel({.in = in,
+                                            .weights = layers_.block2_conv1.weights.data(),
+                                            .bias = layers_.block2_conv1.bias.data(),
+                                            .out = inner,
+                                            .row_begin = row,
+                                            .row_end = row_end,
+                                            .column_begin = column,
+                                            .column_end = column_end,
+                                            .scratch = buffers.WinogradOf(worker)});
                SeluRegion(inner, {row, row_end, column, column_end});
              });
   ForRegions(workspace.pool, in.height, in.width,
              [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
-               kernels_->conv3x3({.in = inner,
-                                  .weights = layers_.block2_conv2.weights.data(),
-                                  .bias = layers_.block2_conv2.bias.data(),
-                                  .out = out,
-                                  .row_begin = row,
-                                  .row_end = row_end,
-                                  .column_begin = column,
-                                  .column_end = column_end});
+               layers_.block2_conv2.kernel({.in = inner,
+                                            .weights = layers_.block2_conv2.weights.data(),
+                                            .bias = layers_.block2_conv2.bias.data(),
+                                            .out = out,
+                                            .row_begin = row,
+                                            .row_end = row_end,
+                                            .column_begin = column,
+                                            .column_end = column_end,
+                                            .scratch = buffers.WinogradOf(worker)});
                for (int64_t y = row; y < row_end; ++y) {
                  kernels::MatMul<float> shortcut =
                      Product(layers_.block2_downsample, in.pixel(0, y, column), in.block_stride(),
@@ -229,6 +234,9 @@ AlikedMaps AlikedNetwork::Encode(const GrayImage& image, bool with_scores,
   buffers.region = arena.Allocate<float>(
       {workspace.pool.size(), BlockedMap::Floats(BlocksOf(layers_.widths[0]), 8, kRegionColumns)});
   buffers.row = arena.Allocate<float>({workspace.pool.size(), layers_.size / 4 * kRegionColumns});
+  buffers.winograd = arena.Allocate<float>(
+      {workspace.pool.size(),
+       kernels::WinogradScratchFloats(std::max(layers_.widths[0], layers_.widths[1]))});
 
   Block1(GrayPlane(image, maps, workspace), maps, buffers, workspace);
   Block2(maps, buffers, workspace);

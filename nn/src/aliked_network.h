@@ -40,7 +40,7 @@ class AlikedNetwork {
   AlikedNetwork(const AlikedWeights& weights, Isa isa)
       : kernels_(&kernels::KernelsFor(isa)),
         open_(&kernels::OpenKernelsFor(isa)),
-        layers_(weights) {}
+        layers_(weights, *kernels_) {}
 
   const AlikedLayers& layers() const { return layers_; }
 
