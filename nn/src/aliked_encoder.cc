@@ -70,7 +70,6 @@ void AlikedNetwork::ProjectRow(int level, int64_t y, int64_t x, int64_t count,
   const auto at = static_cast<std::size_t>(level);
   const BlockedMap& block = maps.blocks[at];
   const BlockedMap& features = maps.features[at];
-  const BlockedMap& scores = maps.scores[at];
   const bool keeps = features.data != nullptr;
   float* const rows = keeps ? features.pixel(0, y, x) : scratch;
   const int64_t stride = keeps ? features.block_stride() : count * kBlock;
@@ -82,10 +81,20 @@ void AlikedNetwork::ProjectRow(int level, int64_t y, int64_t x, int64_t count,
   for (int64_t i = 0; i < layers_.size / 4 / kBlock; ++i) {
     open_->selu({.values = rows + i * stride, .count = count * kBlock});
   }
-  if (scores.data != nullptr) {
-    product = Product(layers_.score_groups[at], rows, stride, count);
-    product.c = scores.pixel(0, y, x);
-    kernels_->matmul(product);
+  if (maps.fine_scores.data() == nullptr) {
+    return;
+  }
+  product = Product(layers_.score_groups[at], rows, stride, count);
+  product.c = level == 0 ? scratch + layers_.size / 4 * count : maps.scores[at].pixel(0, y, x);
+  kernels_->matmul(product);
+  if (level == 0) {
+    const int64_t channels = maps.fine_scores.extent(2);
+    float* to = maps.fine_scores.data() + (y * maps.padded_width + x) * channels;
+    for (int64_t i = 0; i < count; ++i, to += channels) {
+      for (int64_t c = 0; c < channels; c += kernels::kScoreGroup) {
+        std::copy_n(product.c + i * kBlock + c, kernels::kScoreGroup, to + c);
+      }
+    }
   }
 }
 
@@ -137,7 +146,7 @@ void AlikedNetwork::Block1(float* gray, const AlikedMaps& maps, const Buffers& b
                              .row_end = row_end / 2,
                              .column_begin = column / 2,
                              .column_end = column_end / 2});
-        if (maps.scores[0].data != nullptr) {
+        if (maps.fine_scores.data() != nullptr) {
           for (int64_t y = row; y < row_end; ++y) {
             ProjectRow(0, y, column, column_end - column, maps, buffers.RowOf(worker));
           }
@@ -208,16 +217,20 @@ AlikedMaps AlikedNetwork::Encode(const GrayImage& image, bool with_scores,
   maps.padded_height = padded(image.height);
   maps.left = (maps.padded_width - image.width) / 2;
   maps.top = (maps.padded_height - image.height) / 2;
+  if (with_scores) {
+    maps.fine_scores = arena.Allocate<float>(
+        {maps.padded_height, maps.padded_width, kernels::ScoreStride(layers_.score_channels)});
+  }
   Buffers buffers;
   for (std::size_t i = 0; i < 4; ++i) {
     const int64_t height = maps.padded_height / kScales[i];
     const int64_t width = maps.padded_width / kScales[i];
     maps.blocks[i] = NewMap(arena, layers_.widths[i], height, width);
-    if (with_scores) {
-      maps.scores[i] = NewMap(arena, layers_.score_channels, height, width);
-    }
     if (i == 0) {
       continue;
+    }
+    if (with_scores) {
+      maps.scores[i] = NewMap(arena, layers_.score_channels, height, width);
     }
     maps.features[i] = NewMap(arena, layers_.size / 4, height, width);
     maps.taps_y[i - 1] = AlignedTaps(arena, height, maps.padded_height);
@@ -233,7 +246,8 @@ AlikedMaps AlikedNetwork::Encode(const GrayImage& image, bool with_scores,
   constexpr int64_t kRegionColumns = 56;
   buffers.region = arena.Allocate<float>(
       {workspace.pool.size(), BlockedMap::Floats(BlocksOf(layers_.widths[0]), 8, kRegionColumns)});
-  buffers.row = arena.Allocate<float>({workspace.pool.size(), layers_.size / 4 * kRegionColumns});
+  buffers.row =
+      arena.Allocate<float>({workspace.pool.size(), (layers_.size / 4 + kBlock) * kRegionColumns});
   buffers.winograd = arena.Allocate<float>(
       {workspace.pool.size(),
        kernels::WinogradScratchFloats(std::max(layers_.widths[0], layers_.widths[1]))});

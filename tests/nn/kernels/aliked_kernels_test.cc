@@ -268,7 +268,7 @@ TEST(ScoreRowTest, AgreesWithTheReference) {
   for (const int64_t channels : {1, 4, 8, 13, 16}) {
     const int64_t width = CoarseMaps::kWidth;
     const int64_t plane_stride = width + 5;
-    const Tensor<float> row = Random(width * kBlock);
+    const Tensor<float> row = Random(width * ScoreStride(channels));
     Tensor<float> scratch(
         {ScoreScratchFloats(coarse.maps[0].width, coarse.maps[1].width, coarse.maps[2].width)});
     const auto run = [&](const OpenKernels& kernels, int64_t y) {
