@@ -155,6 +155,7 @@ void SlidingWindow::Slide() {
   }
   DropFrame(0);
   frames_.front().measured.reset();
+  frames_.front().still.reset();
 }
 
 SlidingWindow::Landmarks::iterator SlidingWindow::Erase(Landmarks::iterator landmark) {

@@ -24,6 +24,7 @@ void SlidingWindow::StartProblem() {
   problem.prior = nullptr;
   problem.motions.clear();
   problem.measured.clear();
+  problem.still.clear();
   problem.time_offset_s.reset();
 }
 

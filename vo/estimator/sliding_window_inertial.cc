@@ -101,6 +101,14 @@ void SlidingWindow::StopInertia() {
   for (Frame& frame : frames_) {
     frame.motion = {};
     frame.measured.reset();
+    frame.still.reset();
+  }
+}
+
+void SlidingWindow::HoldStill(const StillFactor& still) {
+  if (has_inertia() && frames_.size() > 1) {
+    frames_.back().still = still;
+    frames_.back().still->weight = views_noise_.Factor();
   }
 }
 
@@ -130,6 +138,8 @@ bool SlidingWindow::IsTimeOffsetFar(const Preintegration& measured) const {
 void SlidingWindow::JoinAcross(std::size_t index) {
   if (has_inertia()) {
     Frame& after = frames_[index + 1];
+    const std::optional<StillFactor>& before = frames_[index].still;
+    after.still = before && after.still ? std::optional(Join(*before, *after.still)) : std::nullopt;
     after.measured = FactorOf(Join(frames_[index].measured->measured, after.measured->measured));
   }
 }
@@ -154,12 +164,19 @@ void SlidingWindow::AddInertiaToProblem() {
           FactorOf(readings_->Between(before.timestamp_ns, frame.timestamp_ns, before.motion.bias));
     }
     problem.measured.push_back(frame.measured.get());
+    if (frame.still) {
+      problem.still.push_back({static_cast<int>(i) - 1, *frame.still});
+    }
   }
 }
 
 void SlidingWindow::AddInertiaTo(Marginalizer& marginalizer) const {
   AddMeasured(*frames_[1].measured, {StateOfFrame(frames_[0]), StateOfFrame(frames_[1])}, gravity_,
               time_offset_s_, Delta(marginalizer.linearization()), marginalizer);
+  if (frames_[1].still) {
+    AddStill(*frames_[1].still, {StateOfFrame(frames_[0]), StateOfFrame(frames_[1])},
+             Delta(marginalizer.linearization()), marginalizer);
+  }
 }
 
 SlidingWindow::InertialMisfit SlidingWindow::Misfit() const {

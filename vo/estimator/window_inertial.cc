@@ -13,6 +13,29 @@ GravityEstimate GravityAt(const WindowProblem& problem, const WindowState& state
   return {problem.gravity.first_in_world, state.gravity_turn};
 }
 
+StillResidual ResidualOf(const WindowProblem::Still& still, const WindowState& state) {
+  const auto at = [&](int frame) {
+    const auto i = static_cast<std::size_t>(frame);
+    return StateOf(state.world_from_body[i], state.motions[i]);
+  };
+  return ComputeStillResidual(still.factor, at(still.first), at(still.first + 1));
+}
+
+InertialPlaces PlacesFrom(int first, const WindowColumns& columns) {
+  return {columns.Of(first), columns.Motion(first), columns.Of(first + 1),
+          columns.Motion(first + 1), columns.Gravity()};
+}
+
+InertialPlaces PlacesOfFirstTwo(const PosePrior& linearization) {
+  return {0, static_cast<int>(linearization.MotionColumn(0)), kPose,
+          static_cast<int>(linearization.MotionColumn(1)),
+          static_cast<int>(linearization.GravityColumn())};
+}
+
+InertialState LinearizationAt(const PosePrior& linearization, std::size_t frame) {
+  return StateOf(linearization.world_from_body[frame], linearization.motions[frame]);
+}
+
 }  // namespace
 
 VelocityAndBias Plus(const VelocityAndBias& motion,
@@ -50,6 +73,9 @@ double InertialCost(const WindowProblem& problem, const WindowState& state) {
             .value;
     cost += 0.5 * (factor.whitening.triangularView<Eigen::Lower>() * residual).squaredNorm();
   }
+  for (const WindowProblem::Still& still : problem.still) {
+    cost += ResidualOf(still, state).Cost();
+  }
   return cost;
 }
 
@@ -64,11 +90,14 @@ void AddInertial(const WindowProblem& problem, const WindowState& state, WindowS
         *problem.measured[i], StateOf(state.world_from_body[i], state.motions[i]),
         StateOf(state.world_from_body[i + 1], state.motions[i + 1]), gravity, state.time_offset_s);
     system.cost += residual.Cost();
-    const int frame = static_cast<int>(i);
-    AddAt(residual,
-          {columns.Of(frame), columns.Motion(frame), columns.Of(frame + 1),
-           columns.Motion(frame + 1), columns.Gravity()},
+    AddAt(residual, PlacesFrom(static_cast<int>(i), columns),
           columns.has_time_offset ? columns.TimeOffset() : -1, system.hessian, system.gradient);
+  }
+  for (const WindowProblem::Still& still : problem.still) {
+    const StillResidual residual = ResidualOf(still, state);
+    system.cost += residual.Cost();
+    AddAt(NormalEquationsOf(residual), PlacesFrom(still.first, columns), system.hessian,
+          system.gradient);
   }
 }
 
@@ -119,24 +148,31 @@ void AddMeasured(const InertialFactor& factor, const std::array<InertialState, 2
                  const std::optional<double>& present_time_offset_s, const Eigen::VectorXd& delta,
                  Marginalizer& marginalizer) {
   const PosePrior& linearization = marginalizer.linearization();
-  const auto at = [&](std::size_t i) {
-    return StateOf(linearization.world_from_body[i], linearization.motions[i]);
-  };
   WhitenedInertialResidual residual = WhitenedByTurn(
-      factor, at(0), at(1), {present_gravity.first_in_world, *linearization.gravity_turn},
-      present_time_offset_s);
+      factor, LinearizationAt(linearization, 0), LinearizationAt(linearization, 1),
+      {present_gravity.first_in_world, *linearization.gravity_turn}, present_time_offset_s);
   residual.value =
       Whitened(factor, present[0], present[1], present_gravity.InWorld(), present_time_offset_s)
           .value;
   const Eigen::Index columns = linearization.Columns();
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(columns, columns);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(columns);
-  AddAt(residual,
-        {0, static_cast<int>(linearization.MotionColumn(0)), kPose,
-         static_cast<int>(linearization.MotionColumn(1)),
-         static_cast<int>(linearization.GravityColumn())},
+  AddAt(residual, PlacesOfFirstTwo(linearization),
         linearization.time_offset_s ? static_cast<int>(linearization.TimeOffsetColumn()) : -1,
         hessian, gradient);
+  marginalizer.Add(hessian, gradient, delta);
+}
+
+void AddStill(const StillFactor& factor, const std::array<InertialState, 2>& present,
+              const Eigen::VectorXd& delta, Marginalizer& marginalizer) {
+  const PosePrior& linearization = marginalizer.linearization();
+  StillResidual residual = ComputeStillResidual(factor, LinearizationAt(linearization, 0),
+                                                LinearizationAt(linearization, 1));
+  residual.value = ComputeStillResidual(factor, present[0], present[1]).value;
+  const Eigen::Index columns = linearization.Columns();
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(columns, columns);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(columns);
+  AddAt(NormalEquationsOf(residual), PlacesOfFirstTwo(linearization), hessian, gradient);
   marginalizer.Add(hessian, gradient, delta);
 }
 

@@ -8,6 +8,7 @@
 #include "gluevo/vo/inertial/gravity.h"
 #include "gluevo/vo/inertial/inertial_factor.h"
 #include "gluevo/vo/inertial/inertial_residual.h"
+#include "gluevo/vo/inertial/still_factor.h"
 #include "window_problem.h"
 #include "window_system.h"
 
@@ -49,5 +50,9 @@ void AddMeasured(const InertialFactor& factor, const std::array<InertialState, 2
                  const GravityEstimate& present_gravity,
                  const std::optional<double>& present_time_offset_s, const Eigen::VectorXd& delta,
                  Marginalizer& marginalizer);
+
+/// Likewise that the body stood still between them.
+void AddStill(const StillFactor& factor, const std::array<InertialState, 2>& present,
+              const Eigen::VectorXd& delta, Marginalizer& marginalizer);
 
 }  // namespace gluevo::vo

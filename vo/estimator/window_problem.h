@@ -10,6 +10,7 @@
 #include "gluevo/vo/inertial/gravity.h"
 #include "gluevo/vo/inertial/inertial_factor.h"
 #include "gluevo/vo/inertial/inertial_residual.h"
+#include "gluevo/vo/inertial/still_factor.h"
 
 namespace gluevo::vo {
 
@@ -62,6 +63,12 @@ struct WindowProblem {
   std::vector<VelocityAndBias> motions;
   /// What was measured from each frame to the next one: one fewer than frames.
   std::vector<const InertialFactor*> measured;
+  /// From `first` to the next frame the body stood still.
+  struct Still {
+    int first = 0;
+    StillFactor factor;
+  };
+  std::vector<Still> still;
   /// The poses' gauge is a whole pose, so that gravity's direction in the world is to be found.
   GravityEstimate gravity;
   /// That of ImuReadings, seconds; nothing where it is not estimated. What is known of it

@@ -118,6 +118,7 @@ bool Odometry::Enter(std::optional<FramePose> pose, FrameResult& result) {
       navigation_->WatchClock({result.timestamp_ns, pose->world_from_body}, window_->has_inertia());
     }
     Judge(at_rest, *pose, result);
+    pose->still = Stillness(at_rest);
   } else {
     pose = Bridge(tracked);
   }
@@ -251,6 +252,9 @@ void Odometry::Judge(TrackedFrame& tracked, FramePose& pose, FrameResult& result
 
 bool Odometry::Estimate(const TrackedFrame& tracked, const FramePose& pose) {
   window_->AddFrame(tracked, pose.world_from_body, pose.verdicts);
+  if (pose.still) {
+    window_->HoldStill(*pose.still);
+  }
   window_->Triangulate();
   const bool is_solved = window_->Optimize();
   window_->RemoveOutliers();

@@ -5,6 +5,7 @@
 
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/geometry/pnp.h"
+#include "gluevo/vo/inertial/still_factor.h"
 #include "gluevo/vo/pipeline/odometry.h"
 
 namespace gluevo::vo {
@@ -15,6 +16,7 @@ struct Odometry::FramePose {
   int inliers = 0;
   std::vector<std::optional<PnpVerdict>> verdicts;  // One an observation, where it was judged.
   double median_error_px = 0.0;                     // As in PnpResult.
+  std::optional<StillFactor> still = {};            // Since the frame before.
 };
 
 }  // namespace gluevo::vo

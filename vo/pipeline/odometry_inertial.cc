@@ -127,6 +127,14 @@ std::optional<Odometry::FramePose> Odometry::Bridge(const TrackedFrame& frame) c
   return pose;
 }
 
+std::optional<StillFactor> Odometry::Stillness(const TrackedFrame& frame) {
+  if (!window_->has_inertia()) {
+    return std::nullopt;
+  }
+  return navigation_->Stillness(frame, history_.last()->timestamp_ns, window_->state(),
+                                window_->gravity_in_world());
+}
+
 void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
   if (!navigation_) {
     return;
@@ -148,6 +156,10 @@ void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
   } else if (const auto start = navigation_->Try({result.timestamp_ns, result.world_from_body})) {
     window_->StartInertia(*start, navigation_->readings());
     window_->Optimize();
+  }
+  if (window_->has_inertia() && navigation_->WantsViews()) {
+    navigation_->WatchViews(result.tracked_frame, window_->MapPoints(),
+                            (window_->world_from_body() * rig_.body_from_cam[0]).Inverse());
   }
 }
 

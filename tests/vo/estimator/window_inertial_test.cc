@@ -69,6 +69,15 @@ Eigen::VectorXd Residuals(const WindowProblem& problem, const WindowState& state
                  state.time_offset_s)
             .value;
   }
+  for (const WindowProblem::Still& still : problem.still) {
+    const auto at = [&](int frame) {
+      const auto i = static_cast<std::size_t>(frame);
+      return StateOf(state.world_from_body[i], state.motions[i]);
+    };
+    all.conservativeResize(all.size() + kStillRows);
+    all.tail<kStillRows>() =
+        ComputeStillResidual(still.factor, at(still.first), at(still.first + 1)).value;
+  }
   return all;
 }
 
@@ -76,6 +85,7 @@ TEST(WindowInertialTest, EquationsAreThoseOfNumericDerivatives) {
   const InertialScene scene({});
   WindowProblem problem = scene.Problem(1);
   problem.gravity.turn = {0.1, -0.15};
+  problem.still = {{0, {1e-2, 1e-3, 1e-1, 2.0}}, {2, {1e-3, 1e-2, 1e-2, 1.0}}};
   for (const auto& [has_turn, has_time_offset] :
        {std::pair(false, false), {true, false}, {false, true}, {true, true}}) {
     problem.time_offset_s = has_time_offset ? std::optional(0.002) : std::nullopt;

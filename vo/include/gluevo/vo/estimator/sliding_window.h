@@ -25,6 +25,7 @@
 #include "gluevo/vo/inertial/imu_readings.h"
 #include "gluevo/vo/inertial/inertial_factor.h"
 #include "gluevo/vo/inertial/initialisation.h"
+#include "gluevo/vo/inertial/still_factor.h"
 
 namespace gluevo::vo {
 
@@ -106,6 +107,9 @@ class SlidingWindow {
   /// The readings count no more; what they said of poses that left the window stays.
   void StopInertia();
   bool has_inertia() const { return readings_ != nullptr; }
+  /// The body stood still since the frame before the newest, as views and readings show; the
+  /// factor's weight does not matter. Nothing happens where the readings do not count.
+  void HoldStill(const StillFactor& still);
   /// The newest frame's, and gravity, with an inertial unit.
   InertialState state() const;
   Eigen::Vector3d gravity_in_world() const { return gravity_.InWorld(); }
@@ -145,6 +149,7 @@ class SlidingWindow {
     // With an inertial unit; what was measured since the frame before is absent for the first one.
     VelocityAndBias motion = {};
     std::unique_ptr<InertialFactor> measured = nullptr;
+    std::optional<StillFactor> still = std::nullopt;  // since the frame before
   };
   struct LandmarkView {
     int64_t frame_id = 0;

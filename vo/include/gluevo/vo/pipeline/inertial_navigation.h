@@ -7,14 +7,21 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gluevo/vo/core/imu.h"
 #include "gluevo/vo/core/inertial_estimate.h"
+#include "gluevo/vo/core/map_point.h"
+#include "gluevo/vo/core/rigid3.h"
+#include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/core/trajectory.h"
 #include "gluevo/vo/inertial/clock_watch.h"
 #include "gluevo/vo/inertial/imu_readings.h"
+#include "gluevo/vo/inertial/inertial_residual.h"
 #include "gluevo/vo/inertial/initialisation.h"
+#include "gluevo/vo/inertial/still_factor.h"
 #include "gluevo/vo/pipeline/inertial_options.h"
+#include "gluevo/vo/pipeline/still_views.h"
 
 namespace gluevo::vo {
 
@@ -54,6 +61,17 @@ class InertialNavigation {
   void Forget() { kept_.reset(); }
   /// The frames before have nothing to do with those that come: it has to start again.
   void Restart();
+  /// Once it has started: that the body stood still between the located frame before, with its
+  /// state, and `frame`, where the readings of half a second and the views since then show no
+  /// motion. What a motion may be that they do not show is the factor's sigmas'.
+  std::optional<StillFactor> Stillness(const TrackedFrame& frame, int64_t before_ns,
+                                       const InertialState& before,
+                                       const Eigen::Vector3d& gravity_in_world);
+  /// Whether the readings show rest from the newest frame on, so that its views are asked for.
+  bool WantsViews() const { return is_resting_ && !still_views_.has_begun(); }
+  /// The same frame, with what the map has learnt from it, is what later ones are compared with.
+  void WatchViews(const TrackedFrame& frame, const std::vector<MapPoint>& points,
+                  const Rigid3& left_cam_from_world);
   /// Mean squares of residuals (in shares of their variances) of a frame's readings, once it has
   /// started. Motors that shake the unit make readings worse than its calibration says: noise is
   /// raised until they are as good as it says.
@@ -92,6 +110,8 @@ class InertialNavigation {
   std::optional<InertialStart> TryAtRest();
   std::optional<InertialStart> TryInMotion();
   bool ImagesAreStill() const;
+  bool IsRestByReadings(int64_t now_ns, const InertialState& state,
+                        const Eigen::Vector3d& gravity_in_world) const;
   /// Of the frames so far some tens, evenly.
   Trajectory Chosen() const;
   void SetNoise();
@@ -110,6 +130,8 @@ class InertialNavigation {
   int64_t tried_ns_ = 0;
   Sensor gyroscope_, accelerometer_;
   ClockWatch clock_;
+  bool is_resting_ = false;  // By the readings up to the newest frame.
+  StillViews still_views_;   // Since the readings have shown rest.
   std::optional<InertialBegin> begin_;
   std::string why_waiting_ = "no frames";
 };
