@@ -1,6 +1,8 @@
 #include "earlier_results.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <system_error>
 
@@ -15,15 +17,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool HasMetrics(const fs::path& folder) {
+// The ending of an earlier run's trajectories; nothing where there was none.
+std::optional<std::string> EarlierEnding(const fs::path& folder) {
   std::error_code code;
   const fs::path file = folder / "metrics.json";
   if (!fs::is_regular_file(file, code)) {
-    return false;
+    return std::nullopt;
   }
   const auto metrics =
       nlohmann::json::parse(vo::ReadWholeFile(file), nullptr, /*allow_exceptions=*/false);
-  return metrics.contains("frames") && metrics.contains("segments") && metrics.contains("options");
+  if (!metrics.is_object() || !metrics.contains("frames") || !metrics.contains("segments") ||
+      !metrics.contains("options") || !metrics["options"].is_object()) {
+    return std::nullopt;
+  }
+  const auto format = metrics["options"].find("trajectory-format");
+  const bool is_known = format != metrics["options"].end() &&
+                        (*format == "tum" || *format == "euroc" || *format == "kitti");
+  return TrajectoryEnding(is_known ? format->get<std::string>() : "tum");
 }
 
 void CheckStore(const fs::path& matches) {
@@ -41,6 +51,22 @@ void CheckStore(const fs::path& matches) {
 
 }  // namespace
 
+std::vector<fs::path> StaleTrajectories(const RunPlaces& places) {
+  const std::optional<std::string> earlier = EarlierEnding(places.folder);
+  std::vector<fs::path> stale;
+  if (!earlier) {
+    return stale;
+  }
+  const std::vector<fs::path> files = OutputFiles(places);
+  for (const char* const name : {"trajectory", "keyframes", "imu_rate", "trajectory_optimized"}) {
+    const fs::path file = places.folder / (name + *earlier);
+    if (std::find(files.begin(), files.end(), file) == files.end()) {
+      stale.push_back(file);
+    }
+  }
+  return stale;
+}
+
 void CheckReplacesOnlyResults(const RunPlaces& places, const fs::path& matches,
                               const fs::path& dataset) {
   CheckStore(matches);
@@ -51,10 +77,12 @@ void CheckReplacesOnlyResults(const RunPlaces& places, const fs::path& matches,
                   dataset.string() + " that no run made, which the output would replace");
     }
   };
-  // Of these one says what it is.
-  const bool is_rerun = HasMetrics(places.folder);
+  // Of these one says what they are.
+  const std::optional<std::string> earlier = EarlierEnding(places.folder);
+  const std::string ending = TrajectoryEnding(places.trajectory_format);
   for (const fs::path& file : OutputFiles(places)) {
-    check(file, is_rerun);
+    const bool is_trajectory = file.extension() == ending && file.filename() != "covariance.csv";
+    check(file, earlier && (!is_trajectory || ending == *earlier));
   }
   if (places.map.empty()) {
     return;

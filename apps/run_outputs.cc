@@ -10,6 +10,7 @@
 
 #include "command_line/message.h"
 #include "covariance_file.h"
+#include "earlier_results.h"
 #include "gluevo/nn/error.h"
 #include "gluevo/nn/output_file.h"
 #include "gluevo/vo/io/trajectory_file.h"
@@ -70,17 +71,17 @@ struct Format {
   const char* extension;
 };
 
-const Format& FormatOf(const RunPlaces& places) {
+const Format& FormatOf(const std::string& trajectory_format) {
   static const std::map<std::string, Format> formats = {
       {"tum", {vo::TrajectoryFormat::kTum, ".tum"}},
       {"euroc", {vo::TrajectoryFormat::kEuroc, ".csv"}},
       {"kitti", {vo::TrajectoryFormat::kKitti, ".txt"}}};
-  return formats.at(places.trajectory_format);
+  return formats.at(trajectory_format);
 }
 
 void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
                        const RunRecords& records, const RunMetrics::Context& context) {
-  const Format& format = FormatOf(places);
+  const Format& format = FormatOf(places.trajectory_format);
   const auto write = [&](const std::string& name, const vo::Trajectory& trajectory,
                          const World& world) {
     vo::WriteTrajectory(
@@ -88,6 +89,10 @@ void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
         world.new_from_old_world ? Turned(*world.new_from_old_world, trajectory) : trajectory,
         format.format, "pose of the " + dataset.rig.body_frame + " in the world, " + world.name);
   };
+  // They would be taken for this run's.
+  for (const fs::path& file : StaleTrajectories(places)) {
+    fs::remove(file);
+  }
   const World world = WorldOf(records.metrics.frames());
   write("trajectory", records.trajectory, world);
   write("keyframes", records.keyframes, world);
@@ -96,9 +101,6 @@ void WriteTrajectories(const RunPlaces& places, const vo::Dataset& dataset,
   }
   if (context.loops) {
     write("trajectory_optimized", context.loops->optimized, WorldOfPlaces(records));
-  } else {
-    // An earlier run's would be taken for this one's.
-    fs::remove(places.folder / (std::string("trajectory_optimized") + format.extension));
   }
 }
 
@@ -150,8 +152,12 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
 
 }  // namespace
 
+std::string TrajectoryEnding(const std::string& trajectory_format) {
+  return FormatOf(trajectory_format).extension;
+}
+
 std::vector<fs::path> OutputFiles(const RunPlaces& places) {
-  const std::string extension = FormatOf(places).extension;
+  const std::string extension = TrajectoryEnding(places.trajectory_format);
   std::vector<fs::path> files = {places.folder / ("trajectory" + extension),
                                  places.folder / ("keyframes" + extension),
                                  places.folder / "covariance.csv", places.folder / "metrics.json",

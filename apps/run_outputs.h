@@ -23,6 +23,9 @@ struct RunPlaces {
   bool has_imu_rate = false;              ///< A trajectory with a pose for every inertial reading.
 };
 
+/// The ending of trajectories of a format, as `trajectory_format` has it: ".tum".
+std::string TrajectoryEnding(const std::string& trajectory_format);
+
 /// What a run puts into its folder, the map apart.
 std::vector<std::filesystem::path> OutputFiles(const RunPlaces& places);
 

@@ -51,7 +51,7 @@ table_of() {
       gsub(/,/, ", ", name)
       required = sub(/ *REQUIRED$/, "", takes) ? "needed" : ""
       if (takes !~ /^TEXT \.\.\.|^TEXT$/) sub(/^TEXT:?/, "", takes)
-      sub(/^BOOLEAN$/, "true, false", takes)
+      sub(/^BOOLEAN$/, "true,false", takes)
       gsub(/^BOOLEAN:?|^INT:?\{|[{}]/, "", takes)
       sub(/^TEXT/, "text", takes)
       sub(/^U?INT:?/, "whole number ", takes)

@@ -24,8 +24,11 @@ void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
   estimator
       .Add("--solver", window.solver, "Of the bundle adjustment: gluevo, or ceres to compare with")
       ->check(OneOf({"gluevo", "ceres"}));
-  estimator.Add("--marginalize", window.marginalize,
-                "Whether frames that leave the window leave what they knew as a prior");
+  estimator
+      .Add("--marginalize", window.marginalize,
+           "Whether frames that leave the window leave what they knew as a prior")
+      ->default_function([&window] { return std::string(window.marginalize ? "true" : "false"); })
+      ->capture_default_str();
   estimator
       .Add("--right-turn-mrad", window.right_turn_sigma_mrad,
            "How well the calibration knows the right camera's orientation, milliradians; it is "

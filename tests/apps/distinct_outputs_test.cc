@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 
 #include "apps/command_test.h"
 
@@ -140,6 +141,37 @@ TEST_F(FilesOfInputsTest, AreNotReplacedByARun) {
   fs::remove(points);
   ExpectKept(run + Path("out") + " --map " + data, model, "is a file of the data set");
   EXPECT_FALSE(fs::exists(Path("out")));
+}
+
+// What a run wrote before in another format would be taken for the new one's; what no run wrote
+// stays.
+TEST_F(FilesOfInputsTest, TrajectoriesOfAnEarlierRunGo) {
+  const std::string data = Data();
+  const std::string run = "run " + data + " --method klt --threads 1 --imu off -o ";
+  const auto names = [&] {
+    std::set<std::string> found;
+    for (const auto& entry : fs::directory_iterator(Path("out"))) {
+      found.insert(entry.path().filename().string());
+    }
+    return found;
+  };
+  const std::set<std::string> others = {"covariance.csv", "metrics.json", "report.html"};
+  const auto expect = [&](const std::string& options, std::set<std::string> expected) {
+    const Outcome outcome = Run(run + Path("out") + " " + options);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    expected.insert(others.begin(), others.end());
+    EXPECT_EQ(names(), expected) << options;
+  };
+  expect("", {"trajectory.tum", "keyframes.tum", "trajectory_optimized.tum"});
+  expect("--loops off", {"trajectory.tum", "keyframes.tum"});
+  expect("--loops off --trajectory-format euroc", {"trajectory.csv", "keyframes.csv"});
+  Write("out/trajectory.tum", "somebody's\n");
+  expect("--trajectory-format kitti",
+         {"trajectory.txt", "keyframes.txt", "trajectory_optimized.txt", "trajectory.tum"});
+  // Among the data set's files another format's place is no result either.
+  ASSERT_EQ(Run(run + data).exit_code, 0);
+  const std::string truth = Write("flight/trajectory.csv", "1000000000,1,0,0,1,0,0,0\n");
+  ExpectKept(run + data + " --trajectory-format euroc", truth, "is a file of the data set");
 }
 
 TEST_F(FilesOfInputsTest, ButResultsAmongThemAre) {

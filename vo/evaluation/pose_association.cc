@@ -11,6 +11,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
 namespace {
@@ -103,10 +104,10 @@ std::vector<PosePair> AssociatePoses(const Trajectory& estimate, const Trajector
   std::vector<PosePair> pairs = NearPoses(estimate, groundtruth, options);
   if (pairs.size() < kFewestPairs) {
     std::ostringstream text;
-    text << "only " << pairs.size() << " poses of the estimate and the ground truth are within "
-         << options.max_time_difference_s << " s of each other, expected at least " << kFewestPairs
-         << ": the estimate is from " << TimesOf(estimate) << ", the ground truth from "
-         << TimesOf(groundtruth);
+    text << "only " << Counted(pairs.size(), "pose") << " of the estimate and the ground truth "
+         << (pairs.size() == 1 ? "is" : "are") << " within " << options.max_time_difference_s
+         << " s of each other, expected at least " << kFewestPairs << ": the estimate is from "
+         << TimesOf(estimate) << ", the ground truth from " << TimesOf(groundtruth);
     const double apart = NearestApart(estimate, groundtruth);
     if (apart > options.max_time_difference_s && apart < kNearSeconds) {
       text << "; the nearest are " << apart << " s apart (--max-time-difference)";

@@ -214,7 +214,7 @@ void CheckCoverage(const std::vector<int64_t>& image_times_ns, ImuData& data) {
     return;
   }
   if (within < static_cast<std::ptrdiff_t>(image_times_ns.size())) {
-    data.warnings.push_back("covers " + std::to_string(within) + " of " +
+    data.warnings.push_back("the inertial readings cover " + std::to_string(within) + " of " +
                             std::to_string(image_times_ns.size()) + " images, number " +
                             std::to_string(begin - image_times_ns.begin()) + " to " +
                             std::to_string(end - image_times_ns.begin() - 1));

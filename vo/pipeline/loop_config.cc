@@ -24,8 +24,7 @@ PlaceCodebook LoadCodebook(const std::filesystem::path& codebook, const MapFeatu
   PlaceCodebook places = PlaceCodebook::FromWeights(file);
   if (places.of_weights() != features.checksum) {
     throw Error(file.source + " is not of the weights " + features.source +
-                ": places cannot be told by it; expected a codebook that \"gluevo codebook\" made "
-                "with these weights (--codebook), or --loops off");
+                "; expected one by gluevo codebook (--codebook)");
   }
   return places;
 }

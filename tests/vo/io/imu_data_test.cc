@@ -359,7 +359,8 @@ TEST_F(ImuDataTest, TellsHowManyImagesAreCovered) {
   std::vector<ImuSample> samples = Samples(1);
   samples.resize(101);
   AddImuTo(root, samples);
-  ExpectWarning(*OpenDataset(root, {}).imu, "covers 6 of 11 images, number 0 to 5");
+  ExpectWarning(*OpenDataset(root, {}).imu,
+                "the inertial readings cover 6 of 11 images, number 0 to 5");
   DatasetOptions options;
   options.count = 4;
   EXPECT_TRUE(OpenDataset(root, options).imu->warnings.empty());
