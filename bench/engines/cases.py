@@ -139,15 +139,8 @@ def superglue(
         np.column_stack([(i["keypoints"] - i["size"] / 2) / (0.7 * i["size"].max()), i["scores"]])
         for i in images
     ]
-    return MatchingCase(
-        SUPERGLUE,
-        f"SuperGlue, {len(network.layers)} layers, {count} keypoints",
-        weights_file,
-        features_file,
-        network,
-        np.stack(points).astype(np.float32),
-        np.stack([image["descriptors"] for image in images]),
-    )
+    name = f"SuperGlue, {len(network.layers)} layers, {count} keypoints"
+    return _of_pair(SUPERGLUE, name, weights_file, features_file, network, points, images)
 
 
 def lightglue(
@@ -160,15 +153,22 @@ def lightglue(
     network = lightglue_weights.lightglue(networks.read(weights_file))
     images, features_file = _two_images(folder, count, network.descriptor_size, size)
     points = [(i["keypoints"] - i["size"] / 2) / (i["size"].max() / 2) for i in images]
-    return MatchingCase(
-        LIGHTGLUE,
-        f"LightGlue, all {len(network.layers)} layers, {count} keypoints",
-        weights_file,
-        features_file,
-        network,
-        np.stack(points).astype(np.float32),
-        np.stack([image["descriptors"] for image in images]),
-    )
+    name = f"LightGlue, all {len(network.layers)} layers, {count} keypoints"
+    return _of_pair(LIGHTGLUE, name, weights_file, features_file, network, points, images)
+
+
+def _of_pair(
+    kind: str,
+    name: str,
+    weights_file: pathlib.Path,
+    features_file: pathlib.Path,
+    network: networks.SuperGlue | lightglue_weights.LightGlue,
+    points: list[np.ndarray],
+    images: list[dict[str, np.ndarray]],
+) -> MatchingCase:
+    descriptors = np.stack([image["descriptors"] for image in images])
+    both = np.stack(points).astype(np.float32)
+    return MatchingCase(kind, name, weights_file, features_file, network, both, descriptors)
 
 
 def _two_images(

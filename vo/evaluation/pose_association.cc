@@ -10,7 +10,7 @@
 
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/angle.h"
-#include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/steps.h"
 #include "gluevo/vo/core/text.h"
 
 namespace gluevo::vo {
@@ -57,11 +57,13 @@ uint64_t TimeApart(int64_t a_ns, int64_t b_ns) {
 }
 
 double MedianStep(const Trajectory& trajectory) {
-  std::vector<uint64_t> steps;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    steps.push_back(TimeApart(trajectory[i - 1].timestamp_ns, trajectory[i].timestamp_ns));
+  std::vector<uint64_t>
+      stamps;  // From the least that there is: steps may be too large for int64_t.
+  stamps.reserve(trajectory.size());
+  for (const StampedPose& pose : trajectory) {
+    stamps.push_back(TimeApart(pose.timestamp_ns, std::numeric_limits<int64_t>::min()));
   }
-  return static_cast<double>(Median(std::move(steps))) * kSecondsPerNanosecond;
+  return static_cast<double>(MedianStep(std::move(stamps))) * kSecondsPerNanosecond;
 }
 
 std::vector<PosePair> NearPoses(const Trajectory& estimate, const Trajectory& groundtruth,

@@ -7,6 +7,7 @@
 #include "calibration_parts.h"
 #include "dataset_formats.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/steps.h"
 #include "gluevo/vo/core/text.h"
 #include "groundtruth.h"
 #include "image_pairs.h"

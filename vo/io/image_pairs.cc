@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/steps.h"
 #include "stamp_unit.h"
 
 namespace gluevo::vo {

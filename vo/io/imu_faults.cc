@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/steps.h"
 #include "gluevo/vo/core/text.h"
 #include "stamp_unit.h"
 
@@ -26,12 +26,12 @@ std::string After(const ImuData& data, int64_t time_ns) {
 
 /// 0 of less than two samples.
 double MedianStepNs(const std::vector<ImuSample>& samples) {
-  std::vector<double> steps;
-  steps.reserve(samples.size());
-  for (std::size_t i = 1; i < samples.size(); ++i) {
-    steps.push_back(static_cast<double>(samples[i].timestamp_ns - samples[i - 1].timestamp_ns));
+  std::vector<int64_t> stamps;
+  stamps.reserve(samples.size());
+  for (const ImuSample& sample : samples) {
+    stamps.push_back(sample.timestamp_ns);
   }
-  return Median(std::move(steps));
+  return static_cast<double>(MedianStep(std::move(stamps)));
 }
 
 /// The extreme of an axis where it has that value three times in a row.

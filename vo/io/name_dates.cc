@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "gluevo/vo/core/steps.h"
 #include "text_file.h"
 
 namespace gluevo::vo {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "gluevo/vo/core/steps.h"
 #include "text_file.h"
 
 namespace gluevo::vo {

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/steps.h"
 #include "text_file.h"
 
 namespace gluevo::vo {
@@ -22,16 +22,6 @@ int64_t PowerOfTen(int exponent) {
     power *= 10;
   }
   return power;
-}
-
-std::vector<int64_t> StepsOf(std::vector<int64_t> stamps) {
-  std::sort(stamps.begin(), stamps.end());
-  stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
-  std::vector<int64_t> steps;
-  for (std::size_t i = 1; i < stamps.size(); ++i) {
-    steps.push_back(stamps[i] - stamps[i - 1]);
-  }
-  return steps;
 }
 
 // 0, 33, 67, 100: a clock, rounded. Every third of numbered images would have equal steps, and a
@@ -99,8 +89,6 @@ std::string TimeText(int64_t duration_ns) {
   return text.str();
 }
 
-int64_t MedianStep(std::vector<int64_t> stamps) { return Median(StepsOf(std::move(stamps))); }
-
 std::optional<StampUnit> UnitSince1970(const std::vector<int64_t>& stamps) {
   if (stamps.empty()) {
     return std::nullopt;
@@ -128,7 +116,7 @@ std::optional<StampUnit> UnitOfNames(const std::vector<int64_t>& numbers) {
     return unit;
   }
   constexpr int64_t kNoNumberOfImages = 5000;
-  const std::vector<int64_t> steps = StepsOf(numbers);
+  const std::vector<int64_t> steps = StepsBetween(numbers);
   const int64_t step = MedianStep(numbers);
   if (step >= kNoNumberOfImages) {
     return UnitOfStep(step);

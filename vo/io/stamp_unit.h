@@ -19,10 +19,6 @@ std::string UnitName(StampUnit unit);
 /// "1.5 ms" or the like, for messages.
 std::string TimeText(int64_t duration_ns);
 
-/// The middle one of the differences between stamps that follow each other, 0 of less than two
-/// stamps; equal stamps count once.
-int64_t MedianStep(std::vector<int64_t> stamps);
-
 /// The unit in which all stamps lie between 1998 and 2103 and follow each other within 0.1 ms to
 /// 20 s; the four ranges of numbers have nothing in common.
 std::optional<StampUnit> UnitSince1970(const std::vector<int64_t>& stamps);

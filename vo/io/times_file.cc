@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/vo/core/steps.h"
 #include "name_parts.h"
 #include "text_file.h"
 

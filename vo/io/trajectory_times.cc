@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "gluevo/nn/error.h"
-#include "gluevo/vo/core/median.h"
+#include "gluevo/vo/core/steps.h"
 #include "gluevo/vo/core/text.h"
 #include "text_file.h"
 
@@ -32,20 +32,6 @@ std::optional<TimeUnit> UnitByDigits(double largest) {
     return TimeUnit::kMicroseconds;
   }
   return largest >= kMilliseconds ? std::optional(TimeUnit::kMilliseconds) : std::nullopt;
-}
-
-std::optional<double> MedianStep(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < values.size(); ++i) {
-    if (values[i] > values[i - 1]) {
-      steps.push_back(values[i] - values[i - 1]);
-    }
-  }
-  if (steps.empty()) {
-    return std::nullopt;
-  }
-  return Median(std::move(steps));
 }
 
 constexpr int64_t kMillisecondNs = 1'000'000;
@@ -88,17 +74,17 @@ TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usu
   if (const std::optional<TimeUnit> unit = UnitByDigits(largest)) {
     return *unit;
   }
-  const std::optional<double> step = MedianStep(std::move(values));
-  if (!step) {
+  const double step = MedianStep(std::move(values));
+  if (step == 0.0) {
     return fractions ? TimeUnit::kSeconds : usual;
   }
   constexpr double kLongestOfFractions = 1000.0;
   constexpr double kShortest = 1e-4;
   constexpr double kLongest = 10.0;
   const auto possible = [&](TimeUnit unit) {
-    return Seconds(*step, unit) >= kShortest && Seconds(*step, unit) <= kLongest;
+    return Seconds(step, unit) >= kShortest && Seconds(step, unit) <= kLongest;
   };
-  if (fractions && *step <= kLongestOfFractions && !(is_named && possible(usual))) {
+  if (fractions && step <= kLongestOfFractions && !(is_named && possible(usual))) {
     return TimeUnit::kSeconds;
   }
   if (possible(usual)) {
@@ -106,7 +92,7 @@ TimeUnit ChooseTimeUnit(const std::vector<std::string_view>& times, TimeUnit usu
   }
   std::optional<TimeUnit> best;
   const auto oddness = [&](TimeUnit unit) {
-    return std::abs(std::log(Seconds(*step, unit) / typical_s));
+    return std::abs(std::log(Seconds(step, unit) / typical_s));
   };
   for (const TimeUnit unit : kUnits) {
     if (possible(unit) && (!best || oddness(unit) < oddness(*best))) {
