@@ -172,17 +172,19 @@ PlaceMap CullPlaceMap(PlaceMap map, const MapCullingOptions& options) {
   PlaceMap culled{.features = map.features, .rig = map.rig};
   std::vector<std::size_t> number(map.keyframes.size(), 0);
   std::size_t last = map.keyframes.size();  // That stayed.
+  int last_segment = 0;
   int segment = -1;
   for (std::size_t i = 0; i < map.keyframes.size(); ++i) {
     if (!culling.Stays(i)) {
       continue;
     }
-    LoopKeyframe keyframe = map.keyframes[i];
     const bool starts_segment =
-        culled.keyframes.empty() || map.keyframes[last].segment != keyframe.segment;
+        culled.keyframes.empty() || last_segment != map.keyframes[i].segment;
+    last_segment = map.keyframes[i].segment;
     segment += starts_segment ? 1 : 0;
     const LoopMeasurement motion =
         starts_segment ? LoopMeasurement() : OdometryBetween(map.keyframes, last, i);
+    LoopKeyframe keyframe = std::move(map.keyframes[i]);  // Features are most of a map.
     keyframe.motion = motion.candidate_from_query;
     keyframe.motion_covariance = motion.covariance;
     keyframe.segment = segment;
