@@ -12,7 +12,7 @@ namespace gluevo::apps {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Estimate = vo::StereoCalibrationEstimate;
+using Estimate = vo::RightCameraFinding;
 
 Json Milli(const Eigen::Vector3d& radians) {
   return {1e3 * radians.x(), 1e3 * radians.y(), 1e3 * radians.z()};
@@ -21,7 +21,7 @@ Json Milli(const Eigen::Vector3d& radians) {
 }  // namespace
 
 Json StereoCalibrationJson(const std::vector<vo::FrameResult>& frames) {
-  const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::stereo_calibration);
+  const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::right_camera);
   if (estimate == nullptr) {
     return nullptr;
   }
@@ -39,7 +39,7 @@ Json StereoCalibrationJson(const std::vector<vo::FrameResult>& frames) {
 std::string TextOfStereoCalibration(const std::vector<vo::FrameResult>& frames) {
   constexpr double kLeastPx = 0.1;
   constexpr double kSigmas = 3.0;
-  const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::stereo_calibration);
+  const Estimate* const estimate = NewestEstimate(frames, &vo::FrameResult::right_camera);
   if (estimate == nullptr || !estimate->is_applied) {
     return "";
   }

@@ -1,7 +1,7 @@
 #include "reprojection_factors.h"
 
 #include "gluevo/vo/geometry/projection.h"
-#include "gluevo/vo/geometry/stereo_correction.h"
+#include "gluevo/vo/geometry/right_image_offset.h"
 #include "pose_manifold.h"
 
 namespace gluevo::vo {
@@ -22,7 +22,7 @@ Row2x7 AmbientJacobian(const Eigen::Matrix<double, 2, 6>& tangent_jacobian, cons
   return tangent_jacobian * minus;
 }
 
-StereoCorrection Correction(const double* turn, double bend) {
+RightImageOffset Correction(const double* turn, double bend) {
   return {Eigen::Map<const Eigen::Vector3d>(turn), bend};
 }
 
@@ -66,7 +66,7 @@ bool OtherFrameReprojection::Evaluate(double const* const* parameters, double* r
   const Eigen::Vector3d in_i = body_from_anchor_rotation_ * ray + lambda * anchor_center_in_body_;
   const Eigen::Vector3d i_from_j = world_from_i.translation - world_from_j.translation;
   const Eigen::Vector3d in_j = j_from_world_rotation * (rotation_i * in_i + lambda * i_from_j);
-  const StereoCorrection correction = Correction(parameters[3], bend_);
+  const RightImageOffset correction = Correction(parameters[3], bend_);
   const Eigen::Matrix3d turn = correction.Matrix();
   const Eigen::Vector3d before_turn =
       cam_from_body_rotation_ * in_j + lambda * cam_from_body_translation_;
@@ -121,7 +121,7 @@ SameFrameReprojection::SameFrameReprojection(const Rigid3& cam_from_anchor_cam,
 bool SameFrameReprojection::Evaluate(double const* const* parameters, double* residuals,
                                      double** jacobians) const {
   const Eigen::Vector3d ray(parameters[0][0], parameters[0][1], 1.0);
-  const StereoCorrection correction = Correction(parameters[1], bend_);
+  const RightImageOffset correction = Correction(parameters[1], bend_);
   const Eigen::Matrix3d turn = correction.Matrix();
   const Eigen::Vector3d before_turn =
       cam_from_anchor_rotation_ * ray + parameters[0][2] * anchor_center_in_cam_;

@@ -23,7 +23,7 @@ namespace gluevo::vo {
 /// lambda * (...), so that lambda may come close to 0 (a point far away).
 ///
 /// How the right camera sees may be refined: `turn` (3 values, radians) and `bend` are those of
-/// StereoCorrection. The turn is zero for the left camera, whose frame is the rig's reference.
+/// RightImageOffset. The turn is zero for the left camera, whose frame is the rig's reference.
 ///
 /// A point behind the camera that sees it gives a large constant residual with zero Jacobian: the
 /// solver rejects steps that lead there, and a landmark that starts there is left alone.

@@ -31,7 +31,7 @@ void SlidingWindowOptions::Validate() const {
 }
 
 SlidingWindow::SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options,
-                             const StereoCalibration& so_far)
+                             const LearnedRightCamera& so_far)
     : calibrated_rig_(rig),
       calibration_(so_far),
       options_(options),
@@ -89,7 +89,7 @@ AnchoredPoint SlidingWindow::ToAnchoredPoint(const Landmark& landmark) const {
 
 std::vector<SlidingWindow::Correspondence> SlidingWindow::Correspond(const TrackedFrame& frame,
                                                                      double noise) const {
-  const StereoUndo undo(calibration_.correction);
+  const RightImageUndo undo(calibration_.correction);
   std::vector<Correspondence> correspondences;
   for (std::size_t i = 0; i < frame.observations.size(); ++i) {
     const Observation& observation = frame.observations[i];

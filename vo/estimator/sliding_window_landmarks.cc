@@ -22,7 +22,7 @@ std::optional<Eigen::Vector3d> ToInverseDepth(const Eigen::Vector3d& point_in_ca
 
 template <typename Visitor>
 void SlidingWindow::ForEachView(const Landmark& landmark, Visitor visit) const {
-  const StereoUndo undo(calibration_.correction);
+  const RightImageUndo undo(calibration_.correction);
   const Rigid3 anchor_from_world =
       (FrameOf(landmark.views.front()).world_from_body * calibrated_rig_.body_from_cam[0])
           .Inverse();
@@ -75,7 +75,7 @@ void SlidingWindow::Triangulate() {
 
 std::optional<Eigen::Vector3d> SlidingWindow::TriangulateViews(
     const std::vector<LandmarkView>& landmark_views) const {
-  const StereoUndo undo(calibration_.correction);
+  const RightImageUndo undo(calibration_.correction);
   std::vector<PosedObservation> views;
   for (const LandmarkView& view : landmark_views) {
     const Rigid3& world_from_body = FrameOf(view).world_from_body;

@@ -49,12 +49,12 @@ struct WindowProblem {
   double weight = 1.0;
   double huber = 1.0;  ///< Threshold of the loss, in standard deviations.
 
-  /// Of the right camera (StereoCorrection), radians.
+  /// Of the right camera (RightImageOffset), radians.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   /// What the calibration says: that the turn is zero within this, radians. 0: it is known and
   /// stays as it is.
   double turn_sigma = 0.0;
-  double bend = 1.0;  ///< Of StereoCorrection.
+  double bend = 1.0;  ///< Of RightImageOffset.
 
   const PosePrior* prior = nullptr;  ///< Of the poses and the turn, where there is one.
   std::vector<int> prior_frames;     ///< The frames that it speaks of, in its order.

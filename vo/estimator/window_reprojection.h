@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "gluevo/vo/geometry/stereo_correction.h"
+#include "gluevo/vo/geometry/right_image_offset.h"
 #include "window_problem.h"
 
 namespace gluevo::vo {
@@ -66,7 +66,7 @@ class WindowGeometry {
   }
 
   std::size_t frames_ = 0;
-  StereoCorrection correction_;
+  RightImageOffset correction_;
   Eigen::Matrix3d before_turn_;  ///< From the right camera's frame to that without its turn.
   std::vector<Eigen::Matrix3d> world_from_body_rotation_, world_from_left_rotation_;
   std::vector<Eigen::Vector3d> left_center_in_world_, body_center_in_world_;

@@ -17,9 +17,9 @@ void Odometry::Rate(bool is_linked, FrameResult& result) {
   } else {
     RateByMotionBefore(result);
   }
-  if (const StereoCalibration& calibration = window_->calibration(); calibration.is_known) {
-    result.stereo_calibration = {calibration.turn, calibration.turn_sigma, calibration.is_off,
-                                 calibration.correction.bend == 1.0, rig_.cameras[1].fx};
+  if (const LearnedRightCamera& calibration = window_->calibration(); calibration.is_known) {
+    result.right_camera = {calibration.turn, calibration.turn_sigma, calibration.is_off,
+                           calibration.correction.bend == 1.0, rig_.cameras[1].fx};
   }
   if (result.is_keyframe) {
     keyframe_ns_ = result.timestamp_ns;

@@ -7,8 +7,8 @@
 
 #include "gluevo/vo/core/inertial_estimate.h"
 #include "gluevo/vo/core/pose_covariance.h"
+#include "gluevo/vo/core/right_camera_finding.h"
 #include "gluevo/vo/core/rigid3.h"
-#include "gluevo/vo/core/stereo_calibration_estimate.h"
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/core/trajectory.h"
 
@@ -47,7 +47,7 @@ struct FrameResult {
   /// Once an inertial unit has started, of frames that were located.
   std::optional<InertialEstimate> inertial;
   /// Where it is refined, of frames that were located.
-  std::optional<StereoCalibrationEstimate> stereo_calibration;
+  std::optional<RightCameraFinding> right_camera;
   /// World_from_body of the newest frames as they are known now, the oldest first, this frame's the
   /// last: what was given for the others before may have been revised. Empty of a predicted pose.
   Trajectory window;

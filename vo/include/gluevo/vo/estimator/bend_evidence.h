@@ -4,14 +4,14 @@
 
 namespace gluevo::vo {
 
-/// Whether what looks like a turn of the right camera is one (StereoCorrection). A turned camera
+/// Whether what looks like a turn of the right camera is one (RightImageOffset). A turned camera
 /// bends its image by the turn's second order, once. Lenses bend what the calibration left of them,
 /// by any amount: where views ask for more, that is what they see, and a turn that follows them
 /// makes near points, which are at the border, too near or too far. Told by what bundle adjustments
 /// of the same views cost.
 class BendEvidence {
  public:
-  /// Of StereoCorrection; those whose costs are compared.
+  /// Of RightImageOffset; those whose costs are compared.
   static constexpr std::array<double, 2> kBends = {1.0, 2.0};
 
   /// Half the sums of squares of one window, in standard deviations, in the order of kBends.

@@ -32,7 +32,7 @@ struct PosePrior {
 
   std::vector<int64_t> frame_ids;  ///< Increasing.
   std::vector<Rigid3> world_from_body;
-  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< Of StereoCorrection.
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();  ///< Of RightImageOffset.
   Eigen::MatrixXd jacobian;                        ///< Rows x Columns(); residuals have no unit.
   Eigen::VectorXd residual;                        ///< r0.
   /// With an inertial unit, of the first frames, as many as there are: of the oldest alone once it

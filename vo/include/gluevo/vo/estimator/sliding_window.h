@@ -15,9 +15,9 @@
 #include "gluevo/vo/core/rigid3.h"
 #include "gluevo/vo/core/tracked_frame.h"
 #include "gluevo/vo/core/trajectory.h"
+#include "gluevo/vo/estimator/learned_right_camera.h"
 #include "gluevo/vo/estimator/pose_prior.h"
 #include "gluevo/vo/estimator/sliding_window_options.h"
-#include "gluevo/vo/estimator/stereo_calibration.h"
 #include "gluevo/vo/estimator/views_noise.h"
 #include "gluevo/vo/geometry/pnp.h"
 #include "gluevo/vo/geometry/stereo_rig.h"
@@ -40,7 +40,7 @@ class SlidingWindow {
  public:
   /// `so_far`: what earlier windows of the same rig found.
   SlidingWindow(const StereoRig& rig, const SlidingWindowOptions& options,
-                const StereoCalibration& so_far = {});
+                const LearnedRightCamera& so_far = {});
   ~SlidingWindow();
   SlidingWindow(SlidingWindow&&) noexcept;
   SlidingWindow& operator=(SlidingWindow&&) noexcept;
@@ -49,7 +49,7 @@ class SlidingWindow {
   /// The rig with the right camera turned as calibration() says.
   StereoRig rig() const;
   /// As the last Optimize() has it, its sigma as the last MotionSinceKeyframe().
-  const StereoCalibration& calibration() const { return calibration_; }
+  const LearnedRightCamera& calibration() const { return calibration_; }
   int64_t oldest_timestamp_ns() const { return frames_.front().timestamp_ns; }
   /// The newest frame's. The window must not be empty.
   const Rigid3& world_from_body() const { return frames_.back().world_from_body; }
@@ -232,7 +232,7 @@ class SlidingWindow {
   Landmarks::iterator Erase(Landmarks::iterator landmark);
 
   StereoRig calibrated_rig_;
-  StereoCalibration calibration_;
+  LearnedRightCamera calibration_;
   SlidingWindowOptions options_;
   std::deque<Frame> frames_;
   Landmarks landmarks_;  // by a number of their own: a track may have had several

@@ -38,7 +38,7 @@ struct SlidingWindowOptions {
   int long_track = 4;
   /// ... or there are more new tracks than this times those that were followed.
   double max_new_share = 0.5;
-  /// How well the calibration knows how the right camera sees (StereoCorrection): standard
+  /// How well the calibration knows how the right camera sees (RightImageOffset): standard
   /// deviation on each axis, milliradians. Within it that is refined with each bundle adjustment; 0
   /// keeps it fixed. A third of a pixel, as KITTI's is off, makes distances wrong by a percent.
   double right_turn_sigma_mrad = 0.5;

@@ -3,15 +3,15 @@
 #include <Eigen/Core>
 
 #include "gluevo/vo/estimator/bend_evidence.h"
-#include "gluevo/vo/geometry/stereo_correction.h"
+#include "gluevo/vo/geometry/right_image_offset.h"
 
 namespace gluevo::vo {
 
 /// What windows have learned of the right camera. It outlives each of them: a new segment goes on
 /// from there.
-struct StereoCalibration {
+struct LearnedRightCamera {
   /// What is made up for: nothing until the calibration is surely off.
-  StereoCorrection correction;
+  RightImageOffset correction;
   bool is_off = false;
   /// Frames enough have been seen: what is below is an estimate.
   bool is_known = false;

@@ -22,7 +22,7 @@ Rigid3 ForwardPose(int frame) {
 }
 
 struct Outcome {
-  StereoCalibrationEstimate calibration;
+  RightCameraFinding calibration;
   double scale = 0.0;  // Of the path: estimate over truth.
   std::vector<FrameResult> frames;
 };
@@ -56,14 +56,14 @@ Outcome Drive(double sigma_mrad, RightIsSeenAt right_is_seen_at) {
   }
   const Rigid3 truth = ForwardPose(0).Inverse() * ForwardPose(kFrames - 1);
   const double scale = results.back().world_from_body.translation.norm() / truth.translation.norm();
-  return {results.back().stereo_calibration.value_or(StereoCalibrationEstimate()), scale, results};
+  return {results.back().right_camera.value_or(RightCameraFinding()), scale, results};
 }
 
 Eigen::Vector2d Turned(const Eigen::Vector3d& turn, const Eigen::Vector2d& seen) {
   return (ExpSo3(turn) * seen.homogeneous()).hnormalized();
 }
 
-TEST(StereoCalibration, ATurnedCameraIsFound) {
+TEST(RightCamera, ATurnedCameraIsFound) {
   const Outcome exact = Drive(0.5, [](const Eigen::Vector2d& seen) { return seen; });
   EXPECT_NEAR(exact.scale, 1.0, 1e-3);
   EXPECT_FALSE(exact.calibration.is_applied);
@@ -86,24 +86,24 @@ TEST(StereoCalibration, ATurnedCameraIsFound) {
 }
 
 // By few frames noise and what lenses add may ask for anything.
-TEST(StereoCalibration, NothingIsSaidOrMadeUpForBeforeFramesEnoughAreSeen) {
+TEST(RightCamera, NothingIsSaidOrMadeUpForBeforeFramesEnoughAreSeen) {
   constexpr std::size_t kFewest = 5;
   const auto turned = [](const Eigen::Vector2d& seen) { return Turned({0, 1e-3, 0}, seen); };
   const std::vector<FrameResult> with = Drive(0.5, turned).frames;
   const std::vector<FrameResult> without = Drive(0.0, turned).frames;
   for (std::size_t i = 0; i < with.size(); ++i) {
-    EXPECT_FALSE(without[i].stereo_calibration);
-    ASSERT_EQ(with[i].stereo_calibration.has_value(), i + 1 >= kFewest) << i;
+    EXPECT_FALSE(without[i].right_camera);
+    ASSERT_EQ(with[i].right_camera.has_value(), i + 1 >= kFewest) << i;
     if (i + 1 < kFewest) {
       EXPECT_EQ(with[i].world_from_body.translation, without[i].world_from_body.translation) << i;
     } else {
-      EXPECT_TRUE((with[i].stereo_calibration->turn_sigma.array() > 0.0).all()) << i;
+      EXPECT_TRUE((with[i].right_camera->turn_sigma.array() > 0.0).all()) << i;
     }
   }
 }
 
 // What matching to subpixels errs by in one direction is none of the calibration's.
-TEST(StereoCalibration, WhatMatchingErrsByIsNotMadeUpFor) {
+TEST(RightCamera, WhatMatchingErrsByIsNotMadeUpFor) {
   constexpr double kBias = 0.01 / 460.0;
   const Outcome biased = Drive(
       0.5, [](const Eigen::Vector2d& seen) { return Eigen::Vector2d(seen.x() - kBias, seen.y()); });
@@ -111,7 +111,7 @@ TEST(StereoCalibration, WhatMatchingErrsByIsNotMadeUpFor) {
   EXPECT_NEAR(biased.calibration.turn.y(), -kBias, 3.0 * biased.calibration.turn_sigma.y());
 }
 
-TEST(StereoCalibration, WithoutItThePathIsOff) {
+TEST(RightCamera, WithoutItThePathIsOff) {
   const Eigen::Vector3d turn(0.0, 5e-4, 0.0);
   const Outcome tight =
       Drive(1e-3, [&](const Eigen::Vector2d& seen) { return Turned(turn, seen); });
@@ -119,7 +119,7 @@ TEST(StereoCalibration, WithoutItThePathIsOff) {
 }
 
 // A shift of 0.3 px and, of what the lens's calibration left, 1 px * x^2 (KITTI has twice that).
-TEST(StereoCalibration, WhatALensBendsIsNotTakenForATurn) {
+TEST(RightCamera, WhatALensBendsIsNotTakenForATurn) {
   constexpr double kShift = 0.3 / 460.0;
   constexpr double kBend = 1.0 / 460.0;
   const Outcome found = Drive(0.5, [](const Eigen::Vector2d& seen) {

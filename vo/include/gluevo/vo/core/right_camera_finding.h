@@ -5,7 +5,7 @@
 namespace gluevo::vo {
 
 /// How the right camera sees, against its calibration, as a run has found so far.
-struct StereoCalibrationEstimate {
+struct RightCameraFinding {
   /// About the right camera's axes, radians: turn.y() moves its image along x, -turn.x() along y,
   /// each by its value on the normalised plane, and turn.z() rotates it.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();

@@ -11,7 +11,7 @@ namespace gluevo::vo {
 /// that is off by turn alone. What lenses leave after calibration grows with x^2, too, and is the
 /// larger part of that on real rigs, so that the two are kept apart: asked freely, KITTI's data
 /// want 2 px * x^2, with a shift of 0.3 px (docs/METHODS.md).
-struct StereoCorrection {
+struct RightImageOffset {
   /// About the axes of the right camera, radians. Without `bend` a shift of its image: by turn.y()
   /// along x, by -turn.x() along y, on the normalised plane; turn.z() rotates it.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
@@ -26,9 +26,9 @@ struct StereoCorrection {
 
 /// From where the right camera sees a point to where one as calibrated would, on the normalised
 /// plane.
-class StereoUndo {
+class RightImageUndo {
  public:
-  explicit StereoUndo(const StereoCorrection& correction);
+  explicit RightImageUndo(const RightImageOffset& correction);
   Eigen::Vector2d operator()(const Eigen::Vector2d& seen) const;
 
  private:
