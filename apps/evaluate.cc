@@ -249,7 +249,9 @@ void AddEvaluateCommand(CLI::App& app) {
   const auto arguments = std::make_shared<EvaluateArguments>();
   command->add_option("ESTIMATE", arguments->estimate, "Trajectory: TUM, EuRoC csv or KITTI")
       ->required();
-  command->add_option("GROUNDTRUTH", arguments->groundtruth, "The same of the ground truth")
+  command
+      ->add_option("GROUNDTRUTH", arguments->groundtruth,
+                   "Trajectory of the ground truth, of any of these formats")
       ->required();
   command->add_option("--times", arguments->times,
                       "KITTI's times.txt, for the times of a KITTI file");

@@ -106,7 +106,7 @@ Json DescribeInputs(const PlannedRun& run, const std::string& program_checksum) 
   inputs["data"] = ChecksumOfDataset(OpenDatasetOf(run));
   inputs["options"] = Json::object();
   for (const auto& [name, value] : run.options) {
-    inputs["options"][name] = IsInputPathOption(name) ? ChecksumOfInput(value) : value;
+    inputs["options"][name] = NamesInput(name, value) ? ChecksumOfInput(value) : value;
   }
   // Weights that no option need name.
   if (const fs::path own = nn::UserWeightsFolder();

@@ -140,11 +140,12 @@ void CheckOutputsAreOfOneRun(const ExperimentFile& file, const std::vector<Plann
 
 }  // namespace
 
-bool IsInputPathOption(const std::string& name) {
+bool NamesInput(const std::string& name, const std::string& value) {
   static const std::set<std::string> names = {
-      "aliked",   "calibration", "codebook",  "groundtruth", "lightglue",
+      "aliked",   "calibration", "codebook",  "groundtruth", "imu-calibration", "lightglue",
       "load-map", "replay",      "superglue", "superpoint",  "weights"};
-  return names.contains(name);
+  return names.contains(name) ||
+         (name == "imu" && value != "auto" && value != "on" && value != "off");
 }
 
 vo::Dataset OpenDatasetOf(const PlannedRun& run) {
@@ -186,7 +187,7 @@ std::vector<PlannedRun> PlanExperiment(const ExperimentFile& file, const fs::pat
           last += "_" + name + "-" + Slug(value);
         }
         for (auto& [name, value] : run.options) {
-          value = IsInputPathOption(name) ? places.Resolve(value).string() : value;
+          value = NamesInput(name, value) ? places.Resolve(value).string() : value;
         }
         run.folder = fs::path("runs") / Slug(data.name) / last;
         const auto [other, is_new] = folders.emplace(run.folder, run.Name());

@@ -33,8 +33,8 @@ struct PlannedRun {
   }
 };
 
-/// The options of `gluevo run` that name files to read.
-bool IsInputPathOption(const std::string& name);
+/// Whether the value of an option of `gluevo run` names a file to read.
+bool NamesInput(const std::string& name, const std::string& value);
 
 /// The data set as the run will open it. Throws Error as OpenDataset does.
 vo::Dataset OpenDatasetOf(const PlannedRun& run);

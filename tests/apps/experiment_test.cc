@@ -344,6 +344,21 @@ TEST_F(ExperimentTest, PathsAreRelativeToTheFileOrItsRoot) {
   }
 }
 
+TEST_F(ExperimentTest, ReadingsOfAnInertialUnitAreRelativeToTheFileToo) {
+  const std::string imu = (data_->path() / "flight/mav0/imu0").string();
+  const Outcome outcome = Experiment(
+      "data:\n  - {path: flight, imu: flight/mav0/imu0/data.csv,\n"
+      "     imu-calibration: flight/mav0/imu0/sensor.yaml}\nmethods: [{method: klt}]\n"
+      "sweep: {imu: [off, on]}\n",
+      "--dry-run");
+  // The sweep goes first.
+  EXPECT_NE(outcome.out.find("--imu off "), std::string::npos) << outcome.out << outcome.error;
+  EXPECT_NE(outcome.out.find("--imu-calibration " + imu + "/sensor.yaml"), std::string::npos);
+  const Outcome file = Experiment(
+      "data: [{path: flight, imu: flight/mav0/imu0/data.csv}]\nmethods: [klt]\n", "--dry-run");
+  EXPECT_NE(file.out.find("--imu " + imu + "/data.csv"), std::string::npos) << file.out;
+}
+
 TEST_F(ExperimentTest, RefusesWhatItDoesNotUnderstand) {
   const std::string good = "data: [{name: f, path: flight}]\nmethods: [klt]\n";
   ExpectRefused("- a\n", "experiment.yaml: expected a map");
