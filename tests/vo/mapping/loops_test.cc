@@ -133,17 +133,17 @@ TEST(LoopConsistency, ALoopThatOdometryRulesOutIsImpossibleWhoeverAgrees) {
 
 TEST(LoopConsistency, ALoopInBetweenWaitsForTwoThatAgree) {
   const auto keyframes = Path(30);
-  // Six standard deviations of the position alone; the turns before it add some.
+  // Twenty standard deviations of the position alone; the turns before it add some.
   const double sigma = std::sqrt(OdometryBetween(keyframes, 0, 29).covariance(0, 0));
-  const Loop loop = LoopBetween(keyframes, 0, 29, 6.0 * sigma);
+  const Loop loop = LoopBetween(keyframes, 0, 29, 20.0 * sigma);
   std::vector<Loop> others;
   EXPECT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kUnsupported);
-  others.push_back(LoopBetween(keyframes, 1, 27, 6.0 * sigma));
+  others.push_back(LoopBetween(keyframes, 1, 27, 20.0 * sigma));
   EXPECT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kUnsupported);
   // One that says something else, and one that shows the same as the first.
-  others.push_back(LoopBetween(keyframes, 2, 25, -6.0 * sigma));
+  others.push_back(LoopBetween(keyframes, 2, 25, -20.0 * sigma));
   EXPECT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kUnsupported);
-  others.push_back(LoopBetween(keyframes, 3, 24, 6.0 * sigma));
+  others.push_back(LoopBetween(keyframes, 3, 24, 20.0 * sigma));
   EXPECT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kTrusted);
 }
 
@@ -189,9 +189,9 @@ TEST(LoopConsistency, ADoubtfulMotionRulesNothingOut) {
 TEST(LoopConsistency, WhatADoubtfulMotionLinksAgreesWithNothing) {
   auto keyframes = Path(30);
   const double sigma = std::sqrt(OdometryBetween(keyframes, 0, 29).covariance(0, 0));
-  const Loop loop = LoopBetween(keyframes, 0, 29, 6.0 * sigma);
-  const std::vector<Loop> others = {LoopBetween(keyframes, 1, 27, 6.0 * sigma),
-                                    LoopBetween(keyframes, 3, 24, 6.0 * sigma)};
+  const Loop loop = LoopBetween(keyframes, 0, 29, 20.0 * sigma);
+  const std::vector<Loop> others = {LoopBetween(keyframes, 1, 27, 20.0 * sigma),
+                                    LoopBetween(keyframes, 3, 24, 20.0 * sigma)};
   ASSERT_EQ(Judge(loop, others, keyframes, {}), LoopTrust::kTrusted);
   keyframes[28].motion_covariance =
       DoubtfulMotion(keyframes[28].motion_covariance, keyframes[28].motion);
