@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "gluevo/vo/core/stopwatch.h"
@@ -13,6 +14,32 @@ namespace {
 bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
   const cv::Point2f difference = a - b;
   return difference.dot(difference) <= distance * distance;
+}
+
+// Moves the points that no match has carried here to where the edges of their neighbourhood meet
+// (Foerstner and Guelch 1987), if that is near.
+template <typename Tracks>
+void BeginAtCorners(const cv::Mat& image, Tracks& tracks) {
+  constexpr int kHalfWindow = 5;  // The window of what refines matches.
+  constexpr double kFarthest = 4.0;
+  std::vector<cv::Point2f> corners;
+  std::vector<cv::Point2f*> points;
+  for (auto& track : tracks) {
+    if (track.tracking_confidence == 0.0F) {
+      points.push_back(&track.left);
+      corners.push_back(track.left);
+    }
+  }
+  if (corners.empty()) {
+    return;
+  }
+  const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.02);
+  cv::cornerSubPix(image, corners, {kHalfWindow, kHalfWindow}, {-1, -1}, until);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (IsWithin(corners[i], *points[i], kFarthest)) {
+      *points[i] = corners[i];
+    }
+  }
 }
 
 }  // namespace
@@ -143,6 +170,9 @@ bool LearnedFrontEnd::FlowJudges(std::size_t refused, std::size_t matches) const
 
 void LearnedFrontEnd::AddRightViews(Sight& sight) const {
   Stopwatch watch;
+  if (options_.refine && options_.begin_at_corners) {
+    BeginAtCorners(sight.frame.images[0], sight.tracks);
+  }
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
   std::vector<int> keypoints;
