@@ -138,11 +138,12 @@ void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Mat
     const bool is_there = before != sight.previous_tracks.end();
     Batch& batch = batches[is_there ? 0 : 1];
     batch.pixels.push_back(is_there ? before->second.left : old.left);
-    batch.guesses.push_back(sight.tracks[match.to].left +
+    batch.guesses.push_back(PixelOf(sight.view->features, match.to) +
                             (old.left - PixelOf(from.features, match.from)));
     batch.keypoints.push_back(match.to);
   }
   std::vector<int> refused;
+  std::vector<cv::Point2f> refused_guesses;
   for (const Batch& batch : batches) {
     const Flow flow = FollowBothWays(*batch.pyramid, sight.pyramids[0], batch.pixels, batch.guesses,
                                      options_.refinement);
@@ -153,12 +154,21 @@ void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Mat
         track.left = flow.pixels[i];
       } else {
         refused.push_back(batch.keypoints[i]);
+        refused_guesses.push_back(batch.guesses[i]);
       }
     }
   }
   if (FlowJudges(refused.size(), carried.size())) {
     for (const int keypoint : refused) {
       sight.tracks[keypoint] = {.left = sight.tracks[keypoint].left};
+    }
+    // Frames far apart have no use for it: there keypoints are what is seen again.
+    if (options_.begin_at_corners && !carried.empty()) {
+      BeginAtCorners(sight.frame.images[0], sight.tracks);
+    }
+  } else if (options_.begin_at_corners) {
+    for (std::size_t i = 0; i < refused.size(); ++i) {
+      sight.tracks[refused[i]].left = refused_guesses[i];
     }
   }
 }
@@ -170,9 +180,6 @@ bool LearnedFrontEnd::FlowJudges(std::size_t refused, std::size_t matches) const
 
 void LearnedFrontEnd::AddRightViews(Sight& sight) const {
   Stopwatch watch;
-  if (options_.refine && options_.begin_at_corners) {
-    BeginAtCorners(sight.frame.images[0], sight.tracks);
-  }
   std::vector<cv::Point2f> pixels;
   std::vector<cv::Point2f> guesses;
   std::vector<int> keypoints;

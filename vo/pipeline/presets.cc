@@ -38,6 +38,8 @@ void ApplyNetworks(const std::string& method, const std::string& features,
   } else {
     config.learned.tracking_threshold = UsualMatchThreshold(config.matcher);
     config.learned.stereo_threshold = config.learned.tracking_threshold;
+    // ALIKED's keypoints are refined by their neighbours' scores.
+    config.refine = features == "aliked" ? "none" : "lk";
   }
 }
 

@@ -75,24 +75,31 @@ cv::Mat CornerAt(double x, double y) {
   return image;
 }
 
-TEST(LearnedFrontEndFlowTest, TracksBeginAtCorners) {
+TEST(LearnedFrontEndFlowTest, TracksBeginAtCornersWhereFlowConfirmsMatches) {
   for (const bool at_corners : {false, true}) {
     SCOPED_TRACE(at_corners);
-    // The second keypoint, on the next frame, lies a pixel elsewhere beside the corner.
-    const auto frontend = FrontEndWith(
-        {Named({{1, 32, 22}}), Named({{1, 29, 22}}), Named({{1, 33, 23}}), Named({{1, 30, 23}})},
-        SmallWindows({.begin_at_corners = at_corners, .network_every = 1}));
-    const StereoFrame frame = {1, {CornerAt(30.4, 23.7), CornerAt(27.4, 23.7)}};
-    const Observation first = Only(frontend->Track(frame));
+    // 2 lies beside the corner, on the last frame elsewhere.
+    const auto frontend =
+        FrontEndWith({Named({{1, 30, 24}}), Named({{1, 27, 24}}), Named({{1, 31, 24}, {2, 33, 22}}),
+                      Named({{1, 28, 24}, {2, 30, 22}}), Named({{1, 32, 24}, {2, 34, 23}}),
+                      Named({{1, 29, 24}, {2, 31, 23}})},
+                     SmallWindows({.begin_at_corners = at_corners, .network_every = 1}));
+    const auto frame = [](int64_t stamp, double x) -> StereoFrame {
+      return {stamp, {CornerAt(x, 23.7), CornerAt(x - 3, 23.7)}};
+    };
+    frontend->Track(frame(1, 30.4));
+    const TrackedFrame second = frontend->Track(frame(2, 31.4));
+    ASSERT_EQ(second.observations.size(), 2U);
+    const Observation& first = second.observations[1];
     const Eigen::Vector2d begin =
-        at_corners ? Eigen::Vector2d(30.4, 23.7) : Eigen::Vector2d(32, 22);
+        at_corners ? Eigen::Vector2d(31.4, 23.7) : Eigen::Vector2d(33, 22);
     EXPECT_LT((first.left_pixel - begin).norm(), 0.1);
     EXPECT_LT((first.right_pixel - begin - Eigen::Vector2d(-3, 0)).norm(), 0.15);
     // A track that is carried on does not begin anew.
-    const Observation second =
-        Only(frontend->Track({2, {CornerAt(31.4, 23.7), CornerAt(28.4, 23.7)}}));
-    EXPECT_EQ(second.track_id, first.track_id);
-    EXPECT_LT((second.left_pixel - begin - Eigen::Vector2d(1, 0)).norm(), 0.15);
+    const TrackedFrame third = frontend->Track(frame(3, 32.4));
+    ASSERT_EQ(third.observations.size(), 2U);
+    EXPECT_EQ(third.observations[1].track_id, first.track_id);
+    EXPECT_LT((third.observations[1].left_pixel - begin - Eigen::Vector2d(1, 0)).norm(), 0.15);
   }
 }
 

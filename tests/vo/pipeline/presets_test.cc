@@ -34,7 +34,7 @@ TEST(Presets, AreValidForEachMethod) {
   EXPECT_EQ(PresetConfig("euroc", "superpoint").frontend.keypoints.max_keypoints, 1500);
 }
 
-// Published thresholds.
+// Published thresholds; ALIKED's keypoints lie between pixels as they are.
 TEST(Presets, FollowFeaturesAndMatcher) {
   const FrontEndConfig superpoint = PresetConfig("euroc").frontend;
   EXPECT_EQ(superpoint.features, "superpoint");
@@ -49,7 +49,7 @@ TEST(Presets, FollowFeaturesAndMatcher) {
   EXPECT_EQ(aliked.keypoints.max_keypoints, 500);
   EXPECT_EQ(aliked.learned.tracking_threshold, 0.1F);
   EXPECT_EQ(aliked.learned.stereo_threshold, 0.1F);
-  EXPECT_EQ(aliked.refine, "lk");
+  EXPECT_EQ(aliked.refine, "none");
   EXPECT_EQ(PresetConfig("euroc", "superglue", "aliked", "nn").frontend.matcher, "nn");
   // Method 1 matches tracks, which lie anywhere.
   const FrontEndConfig tracks = PresetConfig("euroc", "superpoint", "aliked").frontend;
