@@ -48,7 +48,8 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
   tuning
       .Add("--refine", frontend.refine,
            "Keypoints below the pixel: none (ALIKED's are there already), subpixel (peaks of "
-           "SuperPoint's scores) or lk (optical flow between matched points)")
+           "SuperPoint's scores) or lk (optical flow between matched points, ALIKED's from the "
+           "corners beside them)")
       ->check(OneOf({"none", "subpixel", "lk"}));
   tuning.Add("--min-confirmed-share", learned.min_confirmed_share,
              "With --refine lk, matches that optical flow does not confirm are dropped where it "

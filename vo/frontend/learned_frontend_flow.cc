@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "gluevo/vo/core/stopwatch.h"
@@ -13,6 +14,32 @@ namespace {
 bool IsWithin(const cv::Point2f& a, const cv::Point2f& b, double distance) {
   const cv::Point2f difference = a - b;
   return difference.dot(difference) <= distance * distance;
+}
+
+// Moves the points that no match has carried here to where the edges of their neighbourhood meet
+// (Foerstner and Guelch 1987), if that is near.
+template <typename Tracks>
+void BeginAtCorners(const cv::Mat& image, Tracks& tracks) {
+  constexpr int kHalfWindow = 5;  // The window of what refines matches.
+  constexpr double kFarthest = 4.0;
+  std::vector<cv::Point2f> corners;
+  std::vector<cv::Point2f*> points;
+  for (auto& track : tracks) {
+    if (track.tracking_confidence == 0.0F) {
+      points.push_back(&track.left);
+      corners.push_back(track.left);
+    }
+  }
+  if (corners.empty()) {
+    return;
+  }
+  const cv::TermCriteria until(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.02);
+  cv::cornerSubPix(image, corners, {kHalfWindow, kHalfWindow}, {-1, -1}, until);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (IsWithin(corners[i], *points[i], kFarthest)) {
+      *points[i] = corners[i];
+    }
+  }
 }
 
 }  // namespace
@@ -111,11 +138,12 @@ void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Mat
     const bool is_there = before != sight.previous_tracks.end();
     Batch& batch = batches[is_there ? 0 : 1];
     batch.pixels.push_back(is_there ? before->second.left : old.left);
-    batch.guesses.push_back(sight.tracks[match.to].left +
+    batch.guesses.push_back(PixelOf(sight.view->features, match.to) +
                             (old.left - PixelOf(from.features, match.from)));
     batch.keypoints.push_back(match.to);
   }
   std::vector<int> refused;
+  std::vector<cv::Point2f> refused_guesses;
   for (const Batch& batch : batches) {
     const Flow flow = FollowBothWays(*batch.pyramid, sight.pyramids[0], batch.pixels, batch.guesses,
                                      options_.refinement);
@@ -126,12 +154,21 @@ void LearnedFrontEnd::RefineLeft(const KeypointView& from, const std::vector<Mat
         track.left = flow.pixels[i];
       } else {
         refused.push_back(batch.keypoints[i]);
+        refused_guesses.push_back(batch.guesses[i]);
       }
     }
   }
   if (FlowJudges(refused.size(), carried.size())) {
     for (const int keypoint : refused) {
       sight.tracks[keypoint] = {.left = sight.tracks[keypoint].left};
+    }
+    // Frames far apart have no use for it: there keypoints are what is seen again.
+    if (options_.begin_at_corners && !carried.empty()) {
+      BeginAtCorners(sight.frame.images[0], sight.tracks);
+    }
+  } else if (options_.begin_at_corners) {
+    for (std::size_t i = 0; i < refused.size(); ++i) {
+      sight.tracks[refused[i]].left = refused_guesses[i];
     }
   }
 }

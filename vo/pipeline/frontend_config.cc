@@ -33,6 +33,7 @@ std::unique_ptr<FrontEnd> MakeUnguarded(const FrontEndConfig& config, const Ster
   }
   LearnedFrontEndOptions learned = config.learned;
   learned.refine = config.refine == "lk";
+  learned.begin_at_corners = config.features == "aliked";
   return std::make_unique<LearnedFrontEnd>(rig, std::move(extractor),
                                            MakeMatcher(networks, pool, config.lightglue),
                                            MakeNearestNeighborMatcher(), learned);

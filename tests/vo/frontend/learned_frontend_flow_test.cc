@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "gluevo/vo/frontend/learned_frontend.h"
 #include "scripted_networks.h"
@@ -59,6 +60,47 @@ TEST(LearnedFrontEndFlowTest, MatchedPointsFollowTheSamePlaceBelowThePixel) {
   const Observation third = Only(frontend->Track(Frame(3, 2.8, 0.2, 3.3)));
   EXPECT_NEAR(third.left_pixel.x(), 32.8, 0.1);
   EXPECT_NEAR(third.left_pixel.y(), 24.2, 0.1);
+}
+
+// A checkerboard's corner at (x, y), where four fields meet.
+cv::Mat CornerAt(double x, double y) {
+  cv::Mat image(48, 64, CV_8UC1);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const double right = std::clamp(u - x, -1.0, 1.0);
+      const double below = std::clamp(v - y, -1.0, 1.0);
+      image.at<uint8_t>(v, u) = static_cast<uint8_t>(std::lround(128.0 + 90.0 * right * below));
+    }
+  }
+  return image;
+}
+
+TEST(LearnedFrontEndFlowTest, TracksBeginAtCornersWhereFlowConfirmsMatches) {
+  for (const bool at_corners : {false, true}) {
+    SCOPED_TRACE(at_corners);
+    // 2 lies beside the corner, on the last frame elsewhere.
+    const auto frontend =
+        FrontEndWith({Named({{1, 30, 24}}), Named({{1, 27, 24}}), Named({{1, 31, 24}, {2, 33, 22}}),
+                      Named({{1, 28, 24}, {2, 30, 22}}), Named({{1, 32, 24}, {2, 34, 23}}),
+                      Named({{1, 29, 24}, {2, 31, 23}})},
+                     SmallWindows({.begin_at_corners = at_corners, .network_every = 1}));
+    const auto frame = [](int64_t stamp, double x) -> StereoFrame {
+      return {stamp, {CornerAt(x, 23.7), CornerAt(x - 3, 23.7)}};
+    };
+    frontend->Track(frame(1, 30.4));
+    const TrackedFrame second = frontend->Track(frame(2, 31.4));
+    ASSERT_EQ(second.observations.size(), 2U);
+    const Observation& first = second.observations[1];
+    const Eigen::Vector2d begin =
+        at_corners ? Eigen::Vector2d(31.4, 23.7) : Eigen::Vector2d(33, 22);
+    EXPECT_LT((first.left_pixel - begin).norm(), 0.1);
+    EXPECT_LT((first.right_pixel - begin - Eigen::Vector2d(-3, 0)).norm(), 0.15);
+    // A track that is carried on does not begin anew.
+    const TrackedFrame third = frontend->Track(frame(3, 32.4));
+    ASSERT_EQ(third.observations.size(), 2U);
+    EXPECT_EQ(third.observations[1].track_id, first.track_id);
+    EXPECT_LT((third.observations[1].left_pixel - begin - Eigen::Vector2d(1, 0)).norm(), 0.15);
+  }
 }
 
 TEST(LearnedFrontEndFlowTest, WhereFlowSeesSomethingElseTheMatchCounts) {

@@ -36,6 +36,10 @@ struct LearnedFrontEndOptions {
   /// and gives a disparity between the two (with 21 pixels paths came out 0.2 % too long).
   bool refine = true;
   FlowOptions refinement = {.window = 11, .levels = 1, .levels_back = 1};
+  /// With `refine`, a track begins where edges around its keypoint meet, within some pixels: what
+  /// optical flow follows is the corner, and a point beside it would keep its distance in pixels
+  /// while the view grows. For keypoints that lie beside corners, as ALIKED's do.
+  bool begin_at_corners = false;
   /// Where optical flow ends farther than this from the match it does not see the same, pixels.
   double max_refinement_px = 3.0;
   /// Where optical flow confirms at least this share of an image pair's matches, it is the better
