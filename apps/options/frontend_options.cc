@@ -41,6 +41,11 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
       .Add("--stereo-threshold", learned.stereo_threshold,
            "Confidence of a match from left to right; LightGlue's is 0.1")
       ->check(Share());
+  tuning
+      .Add("--stereo-matching", frontend.stereo_matching,
+           "From left to right: band (nearest descriptors near the epipolar line) or network "
+           "(--matcher, as the paper has it: more time for the same path)")
+      ->check(OneOf({"band", "network"}));
   tuning.Add("--max-epipolar-error", learned.max_epipolar_error_px,
              "Largest distance of a stereo match from its epipolar line, pixels");
   tuning.Add("--min-distance", learned.min_distance_px,
@@ -79,8 +84,9 @@ std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const st
                                                bool is_replay,
                                                const vo::LearnedFrontEndOptions& learned) {
   constexpr std::array kOfSuperGlue = {
-      "--tracking-threshold", "--stereo-threshold",   "--min-distance",    "--min-confirmed-share",
-      "--rematch-keyframe",   "--recovery-keyframes", "--superglue-every", kLag};
+      "--tracking-threshold", "--stereo-threshold",    "--stereo-matching",
+      "--min-distance",       "--min-confirmed-share", "--rematch-keyframe",
+      "--recovery-keyframes", "--superglue-every",     kLag};
   constexpr std::array kOfOthers = {"--klt-corners", "--max-ratio"};
   std::string unused;
   const auto name_where_given = [&](const char* option) {

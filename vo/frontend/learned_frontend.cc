@@ -18,6 +18,7 @@ void LearnedFrontEndOptions::Validate() const {
     }
   }
   CheckPositive(max_epipolar_error_px, "max_epipolar_error_px (--max-epipolar-error)");
+  CheckWithin(max_stereo_ratio, 0.0, 1.0, "max_stereo_ratio");
   CheckWithin(min_distance_px, 0.0, 1e6, "min_distance_px (--min-distance)");
   refinement.Validate("refinement");
   following.Validate("following");

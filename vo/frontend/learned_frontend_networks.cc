@@ -1,6 +1,8 @@
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
+#include "band_matching.h"
 #include "gluevo/vo/core/stopwatch.h"
 #include "gluevo/vo/frontend/learned_frontend.h"
 #include "keypoint_pixel.h"
@@ -17,14 +19,33 @@ void LearnedFrontEnd::RunNetworksOn(const std::shared_ptr<const KeypointView>& r
   sight.view->features = Extract(sight.frame.images[0], rig_.cameras[0]);
   sight.right_features = Extract(sight.frame.images[1], rig_.cameras[1]);
   sight.stages_ms[extractor_->Name()] = watch.Lap();
-  sight.stereo =
-      matcher_->Match(sight.view->features, sight.right_features, options_.stereo_threshold);
+  MatchStereo(sight);
   sight.stages_ms["match_stereo"] = watch.Lap();
   MatchFrom({reference, matcher_.get(), options_.tracking_threshold}, sight);
   if (keyframe != nullptr) {
     RematchKeyframe(*keyframe, sight);
   }
   AddRightViews(sight);
+}
+
+void LearnedFrontEnd::MatchStereo(Sight& sight) const {
+  const nn::Features& left = sight.view->features;
+  const nn::Features& right = sight.right_features;
+  if (!options_.stereo_in_band) {
+    sight.stereo = matcher_->Match(left, right, options_.stereo_threshold);
+    return;
+  }
+  const auto rays_of = [](const nn::Features& features, const Camera& camera) {
+    std::vector<Eigen::Vector2d> rays;
+    rays.reserve(static_cast<std::size_t>(features.size()));
+    for (int i = 0; i < features.size(); ++i) {
+      rays.push_back(camera.Undistort(ToEigen(PixelOf(features, i))));
+    }
+    return rays;
+  };
+  sight.stereo =
+      MatchInBand(left, rays_of(left, rig_.cameras[0]), right, rays_of(right, rig_.cameras[1]),
+                  epipolar_, options_.max_epipolar_error_px, options_.max_stereo_ratio);
 }
 
 nn::Features LearnedFrontEnd::Extract(const cv::Mat& image, const Camera& camera) const {

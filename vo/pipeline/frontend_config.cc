@@ -33,6 +33,7 @@ std::unique_ptr<FrontEnd> MakeUnguarded(const FrontEndConfig& config, const Ster
   }
   LearnedFrontEndOptions learned = config.learned;
   learned.refine = config.refine == "lk";
+  learned.stereo_in_band = config.stereo_matching == "band";
   learned.begin_at_corners = config.features == "aliked";
   return std::make_unique<LearnedFrontEnd>(rig, std::move(extractor),
                                            MakeMatcher(networks, pool, config.lightglue),
@@ -46,6 +47,7 @@ void FrontEndConfig::Validate() const {
   // The other methods have no matcher that could fail to fit.
   CheckNetworkNames(features, method == "superglue" ? matcher : "");
   CheckName(refine, {"none", "subpixel", "lk"}, "refine");
+  CheckName(stereo_matching, {"band", "network"}, "stereo_matching");
   if (features == "aliked" && refine == "subpixel") {
     throw OptionError(
         "option refine is \"subpixel\", which refines SuperPoint's keypoints: for features "

@@ -24,6 +24,11 @@ struct LearnedFrontEndOptions {
   float tracking_threshold = 0.2F;
   /// The same from the left image to the right one.
   float stereo_threshold = 0.2F;
+  /// From left to right not the matcher but mutual nearest neighbours by descriptor, among the
+  /// keypoints near the epipolar line: the calibration knows what the network would have to find
+  /// out. A match is closer than `max_stereo_ratio` times the second nearest.
+  bool stereo_in_band = false;
+  double max_stereo_ratio = 0.9;
   /// A stereo match farther than this from its epipolar line is none, pixels.
   double max_epipolar_error_px = 3.0;
   /// Of points closer than this to each other only the one with the longest track is observed,
@@ -156,6 +161,7 @@ class LearnedFrontEnd : public FrontEnd {
                      const std::shared_ptr<const KeypointView>& keyframe, Sight& sight) const;
   std::shared_ptr<const KeypointView> KeyframeToRematch() const;  // Null where none is to be.
   void FindWays();
+  void MatchStereo(Sight& sight) const;
   nn::Features Extract(const cv::Mat& image, const Camera& camera) const;
   void MatchFrom(const Way& way, Sight& sight) const;
   void CarryOn(const KeypointView& from, const nn::Matches& matches, Sight& sight) const;

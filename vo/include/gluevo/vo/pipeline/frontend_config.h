@@ -28,6 +28,10 @@ struct FrontEndConfig {
   /// Keypoints below the pixel: "none", "subpixel" (peaks of SuperPoint's scores) or "lk" (optical
   /// flow between matched points). Decides over the `refine` and `subpixel` of the options below.
   std::string refine = "lk";
+  /// What matches from left to right in Method 2: "band" (nearest descriptors near the epipolar
+  /// line) or "network" (the matcher, as Yoon and Park have it). Decides over `learned`'s
+  /// stereo_in_band.
+  std::string stereo_matching = "band";
   NetworkFiles networks;
   KeypointOptions keypoints = {.keypoint_threshold = 0.005F, .max_keypoints = 500};
   /// Its match_threshold is not used: `learned` has those of tracking and stereo.
