@@ -1,8 +1,11 @@
 #include "distinct_outputs.h"
 
+#include <algorithm>
+#include <map>
 #include <system_error>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/io/image_file.h"
 
 namespace gluevo::apps {
@@ -21,7 +24,45 @@ bool IsImageOrWeights(const fs::path& name) {
          name.extension() == ".npz";
 }
 
+// Links followed as far as there is something: most outputs are not there yet.
+fs::path PlaceOf(const fs::path& path) {
+  std::error_code code;
+  const fs::path absolute = fs::absolute(path, code);
+  const fs::path place = fs::weakly_canonical(absolute, code);
+  return code ? absolute.lexically_normal() : place;
+}
+
+bool IsBelow(const fs::path& place, const fs::path& folder) {
+  return std::mismatch(place.begin(), place.end(), folder.begin(), folder.end()).second ==
+         folder.end();
+}
+
 }  // namespace
+
+void CheckOutputsAreDistinct(const std::vector<fs::path>& outputs) {
+  std::map<fs::path, fs::path> names;  // By place.
+  for (const fs::path& output : outputs) {
+    if (output.empty()) {
+      continue;
+    }
+    const fs::path place = PlaceOf(output);
+    for (const auto& [other, name] : names) {
+      if (place == other) {
+        throw OptionError(output.string() +
+                          ": two outputs of this command have this name; expected one of its own "
+                          "for each");
+      }
+      if (IsBelow(place, other) || IsBelow(other, place)) {
+        const bool is_this_below = IsBelow(place, other);
+        throw OptionError((is_this_below ? output : name).string() + ": lies below " +
+                          (is_this_below ? name : output).string() +
+                          ", which is another output of this command; expected a place outside "
+                          "it");
+      }
+    }
+    names.emplace(place, output);
+  }
+}
 
 void CheckOutputsAreNoInputs(const std::vector<fs::path>& outputs,
                              const std::vector<fs::path>& inputs) {

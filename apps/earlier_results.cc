@@ -63,7 +63,7 @@ void CheckReplacesOnlyResults(const RunPlaces& places, const fs::path& matches,
     check(file, nn::HasMark(file, "world frame, metres"));
   }
   std::error_code code;
-  const auto model = [&](int segment) { return places.map / "colmap" / std::to_string(segment); };
+  const auto model = [&](int segment) { return ColmapFolder(places) / std::to_string(segment); };
   for (int i = 0; fs::is_directory(model(i), code); ++i) {
     const bool is_result = nn::HasMark(model(i) / "cameras.txt", "# CAMERA_ID, MODEL");
     for (const char* const name : {"cameras.txt", "images.txt", "points3D.txt"}) {

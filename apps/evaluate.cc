@@ -76,6 +76,7 @@ void PrintTable(const vo::Evaluation& evaluation, const std::optional<Segments>&
             << "scale                       " << TextOfScale(evaluation, 6) << '\n'
             << "RPE, translation            " << rpe.translation << '\n'
             << "RPE, rotation               " << rpe.rotation << '\n'
+            << "RPE, lengths                " << TextOfRpeLengths(evaluation) << '\n'
             << "RPE over " << std::left << std::setw(19) << vo::Counted(options.rpe_frames, "frame")
             << TextOfRpeOverFrames(evaluation, 6) << '\n'
             << "correct motions             " << evaluation.correct_motions << " of "

@@ -16,7 +16,10 @@ struct RpeText {
 };
 RpeText TextOfRpe(const vo::Evaluation& evaluation, int percent_decimals, int degree_decimals);
 
-/// The same over frames: "0.012300 m, 0.045000 deg".
+/// Those of its sub-paths that the path holds: "10, 20, 30 m".
+std::string TextOfRpeLengths(const vo::Evaluation& evaluation);
+
+/// The same over frames: "0.012300 m, 0.045000 deg; median 0.010200 m".
 std::string TextOfRpeOverFrames(const vo::Evaluation& evaluation, int decimals);
 
 /// "1.0036", or why there is none.

@@ -123,17 +123,20 @@ void CheckArguments(const LiveArguments& arguments) {
     throw OptionError("cameras have no calibration of their own; expected --calibration");
   }
   const std::string& imu = arguments.frames.imu;
-  if (is_camera && imu != "auto" && imu != "off") {
-    throw OptionError("--imu is " + Quoted(imu) +
-                      ", which is a data set's; expected off for cameras");
-  }
-  if (arguments.rounds > 1 && imu != "auto" && imu != "off") {
+  const bool needs_imu = (imu != "auto" && imu != "off") || arguments.places.has_imu_rate ||
+                         arguments.config.odometry.inertial.estimate_time_offset;
+  if (needs_imu && (is_camera || arguments.rounds > 1)) {
     throw OptionError(
-        "--rounds goes backwards, too, where no inertial unit is right; expected --imu off");
+        std::string(is_camera ? "cameras come without inertial unit"
+                              : "--rounds goes backwards, too, where no inertial unit is right") +
+        "; expected --imu off, no --imu-rate and no --estimate-time-offset");
   }
   std::vector<fs::path> inputs = InputsOf(arguments);
   inputs.emplace_back(is_camera ? fs::path() : fs::path(arguments.sources.front()));
-  CheckOutputsAreNoInputs(OutputsOf(arguments), inputs);
+  std::vector<fs::path> outputs = OutputsOf(arguments);
+  outputs.push_back(arguments.socket);
+  CheckOutputsAreDistinct(outputs);
+  CheckOutputsAreNoInputs(outputs, inputs);
   CheckReplacesOnlyResults(arguments.places, {}, is_camera ? "" : arguments.sources.front());
 }
 
@@ -160,49 +163,28 @@ vo::Dataset DescribeCameras(const LiveArguments& arguments, const cv::Size& size
   return dataset;
 }
 
-std::vector<std::unique_ptr<LinePublisher>> MakePublishers(const LiveArguments& arguments) {
-  std::vector<std::unique_ptr<LinePublisher>> publishers;
-  if (!arguments.udp.empty()) {
-    publishers.push_back(MakeUdpPublisher(arguments.udp));
+// Where they are cameras, those too.
+vo::Dataset OpenSource(const LiveArguments& arguments, std::unique_ptr<CameraSource>& cameras) {
+  if (!IsCamera(arguments.sources.front())) {
+    return vo::OpenDataset(arguments.sources.front(), MakeDatasetOptions(arguments.frames));
   }
-  if (!arguments.socket.empty()) {
-    publishers.push_back(MakeSocketPublisher(arguments.socket));
-  }
-  return publishers;
+  cameras =
+      std::make_unique<CameraSource>(CameraSourceOptions{arguments.sources, arguments.give_up_s},
+                                     OpenVideoDevice, SteadySourceClock());
+  return DescribeCameras(arguments, cameras->image_size());
 }
 
 // The map as it is by now, for the view's button.
 std::string SaveMap(const RunPlaces& places, const RunRecords& records,
                     const std::vector<vo::WeightsRecord>& weights) {
   RunPlaces here = places;
-  here.saved_map = places.saved_map.empty() ? places.folder / "map.h5" : places.saved_map;
+  here.saved_map = places.saved_map.empty() ? places.folder / "places.map" : places.saved_map;
   try {
     WritePlaces(here, records, records.loops->closer().Optimized(), vo::FeaturesOf(weights));
   } catch (const Error& error) {
     return error.what();
   }
   return "saved " + here.saved_map.string();
-}
-
-std::unique_ptr<ViewFeed> MakeView(const LiveArguments& arguments, const RunSetup& setup,
-                                   bool can_save) {
-  if (!arguments.view) {
-    if (!arguments.view_token.empty()) {
-      throw OptionError("--view-token is of a view; expected --view, too");
-    }
-    return nullptr;
-  }
-  ViewAddress address = ParseViewAddress(*arguments.view);
-  if (arguments.view_token.find_first_not_of(
-          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") !=
-      std::string::npos) {
-    throw OptionError("--view-token is no part of an address; expected letters, digits, - and _");
-  }
-  address.token = arguments.view_token.empty() && !address.is_loopback() ? MakeViewToken()
-                                                                         : arguments.view_token;
-  auto view = std::make_unique<ViewFeed>(address, setup.dataset.rig, can_save);
-  std::cerr << "view: " << view->url() << '\n';
-  return view;
 }
 
 void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::string, bool>& given) {
@@ -212,6 +194,12 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
       SettleLoops(command, /*is_default=*/false, arguments.places.saved_map, arguments.loops);
   arguments.places.has_loops = arguments.loops.is_on;
   CheckArguments(arguments);
+  const std::optional<ViewAddress> view_address =
+      ViewAddressOf(arguments.view, arguments.view_token);
+  std::vector<std::unique_ptr<LinePublisher>> publishers;
+  if (!arguments.udp.empty()) {
+    publishers.push_back(MakeUdpPublisher(arguments.udp));
+  }
   UseProcessors(arguments.processors);
   const int threads = ThreadsOf(arguments.config.threads);
   nn::ThreadPool pool(threads);
@@ -219,23 +207,14 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
 
   RunSetup setup;
   std::unique_ptr<CameraSource> cameras;
-  if (IsCamera(arguments.sources.front())) {
-    cameras =
-        std::make_unique<CameraSource>(CameraSourceOptions{arguments.sources, arguments.give_up_s},
-                                       OpenVideoDevice, SteadySourceClock());
-    setup.dataset = DescribeCameras(arguments, cameras->image_size());
-  } else {
-    setup.dataset =
-        vo::OpenDataset(arguments.sources.front(), MakeDatasetOptions(arguments.frames));
-  }
+  setup.dataset = OpenSource(arguments, cameras);
   if (arguments.rounds > 1) {
     arguments.frames.imu = "off";
     setup.dataset.groundtruth.reset();  // It does not go backwards.
   }
   SetUpImu(arguments, setup);
   PrintNotes(setup.dataset);
-  setup.origins =
-      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  ApplyPresetAndWarn(command, given, /*is_replay=*/false, arguments, setup);
   UseLagByClock(command, arguments.config.frontend.learned);
   SetUpFrontEnd(command, pool, arguments, setup);
   const vo::OutputDirectory output(arguments.places.folder);
@@ -246,8 +225,14 @@ void Live(LiveArguments& arguments, CLI::App& command, const std::map<std::strin
                      .loops = std::move(setup.loops),
                      .extracted = setup.extracted};
   records.metrics.KeepOnDisk(arguments.places.folder);
-  std::vector<std::unique_ptr<LinePublisher>> publishers = MakePublishers(arguments);
-  std::unique_ptr<ViewFeed> view = MakeView(arguments, setup, records.loops.has_value());
+  if (!arguments.socket.empty()) {
+    publishers.push_back(MakeSocketPublisher(arguments.socket));
+  }
+  std::unique_ptr<ViewFeed> view;
+  if (view_address) {
+    view = std::make_unique<ViewFeed>(*view_address, setup.dataset.rig, records.loops.has_value());
+    std::cerr << "view: " << view->url() << '\n';
+  }
   // A data set begins to happen only now.
   std::unique_ptr<DatasetSource> played;
   if (!cameras) {

@@ -7,8 +7,10 @@
 #include "command_line/value_checks.h"
 #include "commands.h"
 #include "interruption.h"
+#include "kept_memory.h"
 
 int main(int argc, char** argv) {
+  gluevo::apps::KeepFreedMemory();
   CLI::App app("Stereo visual SLAM with learned features on any CPU", "gluevo");
   app.set_version_flag("--version", "gluevo " GLUEVO_VERSION);
   app.require_subcommand(1);

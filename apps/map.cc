@@ -55,12 +55,13 @@ void PrintInfo(const fs::path& path) {
             << "key frames: " << map.keyframes.size() << " with "
             << vo::Counted(keypoints, "keypoint") << ", " << points << " of known depth\n"
             << "loops: " << map.loops.size()
-            << " (between key frames of the map: a run closes more where they are culled)\nparts:";
+            << " (between key frames of the map: a run closes more where they are culled)\nparts: "
+            << parts.size();
   for (const auto& [part, size] : parts) {
-    std::cout << (part == parts.begin()->first ? " " : ", ") << part << " ("
-              << vo::Counted(size, "key frame") << ")";
+    std::cout << (part == parts.begin()->first ? " (" : "; ") << "of segment " << part << ": "
+              << vo::Counted(size, "key frame");
   }
-  std::cout << (parts.empty() ? " none\n" : "\n");
+  std::cout << (parts.empty() ? "\n" : ")\n");
   if (!map.keyframes.empty()) {
     std::cout << "size: " << fs::file_size(path) / map.keyframes.size() << " bytes a key frame\n";
   }
@@ -145,7 +146,7 @@ void AddMerge(CLI::App& map) {
   loops.Add("--loop-min-age", arguments->loops.min_age_s,
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", arguments->loops.max_candidates,
-            "So many of the most similar places are verified");
+            "So many of the similar places are verified by the network");
   AddCullingOption(loops, arguments->culling);
   command->footer("Example:\n  gluevo map merge monday.map tuesday.map -o house.map");
   command->callback([arguments] { Merge(*arguments); });

@@ -75,6 +75,7 @@ void CheckOutputs(const OfflineArguments& arguments) {
   std::vector<fs::path> inputs = InputsOf(arguments);
   inputs.push_back(arguments.dataset);
   inputs.push_back(arguments.replay);
+  CheckOutputsAreDistinct(outputs);
   CheckOutputsAreNoInputs(outputs, inputs);
   CheckReplacesOnlyResults(arguments.places, arguments.save_matches, arguments.dataset);
 }
@@ -111,8 +112,7 @@ RunSetup SetUp(OfflineArguments& arguments, CLI::App& command,
   if (store) {
     LeaveOutReplayed(*store, setup.dataset);
   }
-  setup.origins =
-      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  ApplyPresetAndWarn(command, given, store.has_value(), arguments, setup);
   setup.reads_images = !store || !arguments.places.map.empty() || arguments.loops.is_on;
   if (store) {
     setup.networks.records = ReplayedWeights(*store);

@@ -55,13 +55,13 @@ vo::Trajectory Turned(const vo::Rigid3& new_from_old_world, vo::Trajectory traje
   return trajectory;
 }
 
-void WriteMap(const fs::path& directory, const RunRecords& records) {
+void WriteMap(const RunPlaces& places, const RunRecords& records) {
   vo::Map map = records.map->Build();
   if (const auto level_from_world = LevelFromWorld(records.metrics.frames())) {
     vo::TurnWorld(*level_from_world, map);
   }
-  vo::WritePly(directory, map);
-  vo::WriteColmap(directory / "colmap", map);
+  vo::WritePly(places.map, map);
+  vo::WriteColmap(ColmapFolder(places), map);
 }
 
 // As a trajectory is written.
@@ -143,7 +143,7 @@ std::string WriteOutputs(const RunPlaces& places, const vo::Dataset& dataset,
     });
   }
   if (records.map) {
-    attempt([&] { WriteMap(places.map, records); });
+    attempt([&] { WriteMap(places, records); });
   }
   return failure;
 }
@@ -172,6 +172,8 @@ std::vector<fs::path> MapFiles(const RunPlaces& places) {
   return {places.map / "points.ply", places.map / "keyframes.ply"};
 }
 
+fs::path ColmapFolder(const RunPlaces& places) { return places.map / "colmap"; }
+
 // The names of what a run puts into its folders may be taken.
 void CheckPlaces(const RunPlaces& places) {
   for (const auto& files : {OutputFiles(places), MapFiles(places)}) {
@@ -183,7 +185,7 @@ void CheckPlaces(const RunPlaces& places) {
     nn::CheckPlaceForFile(places.saved_map);
   }
   std::error_code code;
-  const fs::path models = places.map / "colmap";
+  const fs::path models = ColmapFolder(places);
   if (!places.map.empty() && fs::exists(models, code) && !fs::is_directory(models, code)) {
     throw Error(models.string() + ": is a file; expected a folder for output");
   }

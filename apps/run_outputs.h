@@ -29,6 +29,9 @@ std::vector<std::filesystem::path> OutputFiles(const RunPlaces& places);
 /// The map's files that have one name each, its models for COLMAP apart; none without a map.
 std::vector<std::filesystem::path> MapFiles(const RunPlaces& places);
 
+/// Where the map's models for COLMAP go, a folder each.
+std::filesystem::path ColmapFolder(const RunPlaces& places);
+
 /// Throws Error where a file in the folder or the map's, which must be there, could not be put in
 /// its place.
 void CheckPlaces(const RunPlaces& places);

@@ -11,6 +11,7 @@
 #include "command_line/message.h"
 #include "command_line/value_checks.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/pipeline/loop_thread.h"
 #include "options/estimator_options.h"
@@ -51,6 +52,28 @@ void AddRunArguments(CLI::App& command, RunArguments& arguments) {
   AddLoopOptions(command, arguments.loops, arguments.places.saved_map, arguments.places.culling);
 }
 
+namespace {
+
+// What can be told without a look at any file: what is typed wrong is said before what is missing.
+void CheckUsage(const RunArguments& arguments) {
+  arguments.config.Validate();
+  arguments.loops.options.Validate();
+  const std::string& solver = arguments.config.odometry.window.solver;
+  const std::string why = arguments.frames.imu == "off" ? "--imu off"
+                          : solver != "gluevo"          ? "--solver " + solver
+                                                        : "";
+  const auto refuse_without_imu = [&](bool is_asked, const std::string& option) {
+    if (is_asked && !why.empty()) {
+      throw OptionError(why + " uses no inertial unit, expected no " + option);
+    }
+  };
+  refuse_without_imu(arguments.places.has_imu_rate, "--imu-rate");
+  refuse_without_imu(arguments.config.odometry.inertial.estimate_time_offset,
+                     "--estimate-time-offset");
+}
+
+}  // namespace
+
 std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments& arguments) {
   std::map<std::string, bool> given = OptionsGiven(command);
   if (!arguments.config_file.empty()) {
@@ -59,11 +82,18 @@ std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments
   if (arguments.places.folder.empty()) {
     throw CLI::RequiredError("--output");  // Which the file may give.
   }
+  CheckUsage(arguments);
   return given;
 }
 
 std::vector<fs::path> OutputsOf(const RunArguments& arguments) {
   std::vector<fs::path> outputs = OutputFiles(arguments.places);
+  if (!arguments.places.map.empty()) {
+    for (const fs::path& file : MapFiles(arguments.places)) {
+      outputs.push_back(file);
+    }
+    outputs.push_back(ColmapFolder(arguments.places));
+  }
   outputs.push_back(arguments.places.saved_map);
   return outputs;
 }
@@ -82,6 +112,18 @@ std::vector<fs::path> InputsOf(const RunArguments& arguments) {
   return inputs;
 }
 
+void ApplyPresetAndWarn(CLI::App& command, const std::map<std::string, bool>& given, bool is_replay,
+                        RunArguments& arguments, RunSetup& setup) {
+  setup.origins =
+      ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
+  const vo::FrontEndConfig& frontend = arguments.config.frontend;
+  for (const std::string& warning : UnusedFrontEndOptions(
+           command, is_replay ? setup.method : frontend.method, is_replay, frontend.learned)) {
+    PrintMessage("gluevo: warning", warning);
+    setup.dataset.warnings.push_back(warning);
+  }
+}
+
 void SetUpImu(const RunArguments& arguments, RunSetup& setup) {
   setup.uses_imu =
       ChooseImu(arguments.frames.imu, arguments.config.odometry.window.solver, setup.dataset);
@@ -97,7 +139,8 @@ void SetUpImu(const RunArguments& arguments, RunSetup& setup) {
 
 void SetUpLoops(const RunArguments& arguments, const vo::Networks& networks, int threads,
                 RunSetup& setup) {
-  setup.loop_threads = vo::MakeBackgroundPool(threads);
+  // Where processors are few, one is tracking's alone.
+  setup.loop_threads = vo::MakeBackgroundPool(std::max(1, threads / 2));
   setup.loops.emplace(vo::MakeLoopRecorder(
       arguments.loops, setup.dataset.rig, networks,
       vo::MakeFrontEndExtractor(arguments.config.frontend, networks, *setup.loop_threads),
@@ -124,7 +167,6 @@ void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& argume
   setup.features = setup.method == "klt" ? "" : config.features;
   setup.matcher = vo::MatcherOf(config);
   if (arguments.loops.is_on) {
-    arguments.loops.options.Validate();
     try {
       setup.networks = vo::LoadNetworksWithLoops(config);
       SetUpLoops(arguments, setup.networks, pool.size(), setup);
@@ -133,7 +175,9 @@ void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& argume
         throw;
       }
       setup.networks = vo::LoadFrontEndNetworks(config);  // What fails here is not only loops'.
-      PrintMessage("gluevo: note", std::string("loops are off: ") + error.what());
+      const std::string warning = std::string("loops are off: ") + error.what();
+      PrintMessage("gluevo: note", warning);
+      setup.dataset.warnings.push_back(warning);
       SetLoops(command, false, arguments.loops);
     }
   } else {

@@ -41,7 +41,8 @@ struct RunArguments {
 void AddRunArguments(CLI::App& command, RunArguments& arguments);
 
 /// Once the command line is read: what the file of --config says counts where that says nothing.
-/// Returns what OptionsGiven says of the command line alone. Throws where neither names an output.
+/// Returns what OptionsGiven says of the command line alone. Throws where neither names an output,
+/// and OptionError for values that do not go with each other.
 std::map<std::string, bool> TakeConfigFile(CLI::App& command, const RunArguments& arguments);
 
 /// Files that the arguments name: to write, and to read. (Those of one command alone apart.)
@@ -63,6 +64,11 @@ struct RunSetup {
   bool reads_images = true;
   bool uses_imu = false;
 };
+
+/// Gives the options that nothing set the values of the preset, and says which of those that were
+/// given are without effect. `setup` has the data set, and of a replay the method.
+void ApplyPresetAndWarn(CLI::App& command, const std::map<std::string, bool>& given, bool is_replay,
+                        RunArguments& arguments, RunSetup& setup);
 
 /// Whether the inertial unit is used; what has to be there for the options. Throws Error where it
 /// is not.

@@ -51,10 +51,13 @@ std::string TextOfStereoCalibration(const std::vector<vo::FrameResult>& frames) 
     return "";
   }
   std::ostringstream text;
+  const double right_px = estimate->focal_px * estimate->turn.y();
+  const double below_px = -estimate->focal_px * estimate->turn.x();
   text << std::fixed << std::setprecision(2)
        << "The stereo calibration is off, which is made up for: by what the frames show the right "
-       << "image lies " << estimate->focal_px * estimate->turn.y() << " px to the right and "
-       << -estimate->focal_px * estimate->turn.x() << " px below where it should";
+       << "image lies " << std::abs(right_px) << " px to the " << (right_px < 0.0 ? "left" : "right")
+       << " of and " << std::abs(below_px) << " px " << (below_px < 0.0 ? "above" : "below")
+       << " where it should";
   return text.str();
 }
 

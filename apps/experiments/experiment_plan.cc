@@ -118,6 +118,26 @@ void CheckMissing(const ExperimentFile& file, const Places& places) {
   }
 }
 
+// A run may name outputs besides its folder: one that two runs name would be the last one's.
+void CheckOutputsAreOfOneRun(const ExperimentFile& file, const std::vector<PlannedRun>& runs) {
+  std::map<fs::path, std::string> runs_of;
+  for (const PlannedRun& run : runs) {
+    for (const char* const name : {"map", "save-map", "save-matches"}) {
+      const auto found = run.options.find(name);
+      if (found == run.options.end()) {
+        continue;
+      }
+      const auto [other, is_new] =
+          runs_of.emplace(fs::path(found->second).lexically_normal(), run.Name());
+      if (!is_new) {
+        throw Error(file.path.string() + ": " + Quoted(run.Name()) + " and " +
+                    Quoted(other->second) + " would both write " + found->second + " (" + name +
+                    "); expected one run that does");
+      }
+    }
+  }
+}
+
 }  // namespace
 
 bool IsInputPathOption(const std::string& name) {
@@ -179,6 +199,7 @@ std::vector<PlannedRun> PlanExperiment(const ExperimentFile& file, const fs::pat
       }
     }
   }
+  CheckOutputsAreOfOneRun(file, runs);
   return runs;
 }
 

@@ -44,7 +44,7 @@ vo::Dataset OpenDatasetOf(const PlannedRun& run);
 /// the method, the data set and the options of all runs. Relative paths are relative to
 /// `data_root`, else to the file's root, else to the file's folder, the first under which they
 /// exist. Throws Error with file and line for an option that two sweeps vary, two runs with the
-/// same folder, and missing data sets, unless they are to be skipped.
+/// same folder or another output in common, and missing data sets, unless they are to be skipped.
 std::vector<PlannedRun> PlanExperiment(const ExperimentFile& file,
                                        const std::filesystem::path& data_root, bool skip_missing);
 

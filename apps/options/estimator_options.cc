@@ -18,6 +18,10 @@ void AddEstimatorOptions(CLI::App& command, vo::OdometryOptions& options) {
       ->check(Within(0.0, 1.0));
   estimator.Add("--iterations", window.max_iterations, "Of each bundle adjustment, at most");
   estimator
+      .Add("--least-decrease", window.least_decrease,
+           "An iteration that lowers the cost by less than this share of it is the last")
+      ->check(Within(0.0, 1.0));
+  estimator
       .Add("--solver", window.solver, "Of the bundle adjustment: gluevo, or ceres to compare with")
       ->check(OneOf({"gluevo", "ceres"}));
   estimator.Add("--marginalize", window.marginalize,

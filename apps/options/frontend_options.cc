@@ -1,5 +1,9 @@
 #include "frontend_options.h"
 
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+
 #include "command_line/value_checks.h"
 #include "network_options.h"
 #include "option_group.h"
@@ -68,6 +72,44 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
            "later; 0: frames wait for them")
       ->check(Within(0, 1000));
   tuning.Add("--klt-corners", frontend.klt.max_corners, "Corners of the klt method");
+}
+
+std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const std::string& method,
+                                               bool is_replay,
+                                               const vo::LearnedFrontEndOptions& learned) {
+  constexpr std::array kOfSuperGlue = {
+      "--tracking-threshold", "--stereo-threshold",   "--min-distance",    "--min-confirmed-share",
+      "--rematch-keyframe",   "--recovery-keyframes", "--superglue-every", kLag};
+  constexpr std::array kOfOthers = {"--klt-corners", "--max-ratio"};
+  std::string unused;
+  const auto name_where_given = [&](const char* option) {
+    if (command.count(option) > 0) {
+      unused += (unused.empty() ? "" : ", ") + std::string(option);
+    }
+  };
+  if (is_replay || method != "superglue") {
+    std::for_each(kOfSuperGlue.begin(), kOfSuperGlue.end(), name_where_given);
+  }
+  if (is_replay || method == "superglue") {
+    std::for_each(kOfOthers.begin(), kOfOthers.end(), name_where_given);
+  } else if (method == "klt") {
+    name_where_given("--max-ratio");
+  }
+  std::vector<std::string> warnings;
+  if (!unused.empty()) {
+    warnings.push_back(
+        unused + ": not used by " +
+        (is_replay ? "--replay, which takes the matches as they are" : "--method " + method));
+  }
+  const bool runs_late = !is_replay && method == "superglue" && command.count(kLag) > 0;
+  if (runs_late && learned.network_lag > learned.network_every) {
+    const std::string lag = std::to_string(learned.network_lag);
+    warnings.push_back("--superglue-lag " + lag + " is more than --superglue-every " +
+                       std::to_string(learned.network_every) +
+                       ": the networks take up a frame when they are done with the one before, " +
+                       lag + " frames later");
+  }
+  return warnings;
 }
 
 void DescribeLagByClock(CLI::App& command) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "command_line.h"
 #include "gluevo/vo/pipeline/odometry_config.h"
 
@@ -12,5 +15,12 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config);
 /// it is there, unless a lag is given. Before the command line is read, and after.
 void DescribeLagByClock(CLI::App& command);
 void UseLagByClock(CLI::App& command, vo::LearnedFrontEndOptions& options);
+
+/// A sentence for what was given and is without effect: options of other methods, of a front end
+/// where a replay runs none, and a lag of the networks that lets them run less often than asked
+/// for. `learned`: as the preset leaves it.
+std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const std::string& method,
+                                               bool is_replay,
+                                               const vo::LearnedFrontEndOptions& learned);
 
 }  // namespace gluevo::apps

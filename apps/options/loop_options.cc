@@ -30,7 +30,7 @@ void AddLoopOptions(CLI::App& command, vo::LoopConfig& config, std::filesystem::
   loops.Add("--loop-min-age", config.options.min_age_s,
             "Places are not compared with those of the last so many seconds");
   loops.Add("--loop-candidates", config.options.max_candidates,
-            "So many of the most similar places are verified");
+            "So many of the similar places are verified by the network");
   loops.AddSwitch("--final-adjustment", config.has_final_adjustment,
                   "on: with --loops on, adjust all key frames and points together in the end; kept "
                   "where it lowers the error of views that took no part");

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "yaml_text.h"
 
 namespace gluevo::apps {
@@ -32,8 +33,9 @@ std::vector<std::string> ValuesFor(const CLI::Option& option, const YAML::Node& 
   std::vector<std::string> values = Values(node);
   const bool takes_several = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
   if (values.empty() || (node.IsSequence() && !takes_several)) {
-    throw Error(where + ": option " + name + " takes " +
-                (takes_several ? "a value or a list of values" : "one value"));
+    throw OptionError(where + ": expected " +
+                      (takes_several ? "a value or a list of values" : "one value") +
+                      " of option " + name);
   }
   return values;
 }
@@ -51,8 +53,8 @@ void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
     const std::string& name = entry.first.Scalar();
     CLI::Option* const option = command.get_option_no_throw("--" + name);
     if (option == nullptr || name == "config" || name == "help") {
-      throw Error(where + ": unknown option " + Quoted(name) +
-                  ", expected a long option of 'gluevo " + command.get_name() + "'");
+      throw OptionError(where + ": unknown option " + Quoted(name) +
+                        ", expected a long option of 'gluevo " + command.get_name() + "'");
     }
     const std::vector<std::string> values = ValuesFor(*option, entry.second, where, name);
     if (option->count() > 0) {
@@ -62,7 +64,7 @@ void ApplyYamlConfig(CLI::App& command, const std::filesystem::path& file) {
       option->add_result(values);
       option->run_callback();
     } catch (const CLI::Error& error) {
-      throw Error(where + ": " + error.what());
+      throw OptionError(where + ": " + error.what());
     }
   }
 }

@@ -82,6 +82,23 @@ ViewAddress ParseViewAddress(const std::string& text) {
   return address;
 }
 
+std::optional<ViewAddress> ViewAddressOf(const std::optional<std::string>& view,
+                                         const std::string& token) {
+  if (!view) {
+    if (!token.empty()) {
+      throw OptionError("--view-token is of a view; expected --view, too");
+    }
+    return std::nullopt;
+  }
+  ViewAddress address = ParseViewAddress(*view);
+  if (token.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_") !=
+      std::string::npos) {
+    throw OptionError("--view-token is no part of an address; expected letters, digits, - and _");
+  }
+  address.token = token.empty() && !address.is_loopback() ? MakeViewToken() : token;
+  return address;
+}
+
 std::string MakeViewToken() {
   std::random_device device;
   std::string token;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,8 +18,14 @@ struct ViewAddress {
   std::string NameForOthers() const;
 };
 
-/// PORT, ADDRESS or ADDRESS:PORT ("[::1]:8080" for IPv6). Throws Error for anything else.
+/// PORT, ADDRESS or ADDRESS:PORT ("[::1]:8080" for IPv6). Throws OptionError for anything else.
 ViewAddress ParseViewAddress(const std::string& text);
+
+/// What --view and --view-token (nothing, and empty: not given) ask for; other machines need a
+/// token, which is made where none is given. Nothing for no view. Throws OptionError for a token
+/// without a view, one that cannot stand in an address, and as ParseViewAddress does.
+std::optional<ViewAddress> ViewAddressOf(const std::optional<std::string>& view,
+                                         const std::string& token);
 
 /// Sixteen hexadecimal digits that nobody can guess.
 std::string MakeViewToken();

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <hwy/cache_control.h>
+
 #include "kernels/aliked_kernels.h"
 #include "kernels/exp-inl.h"
 #include "kernels/tile-inl.h"
@@ -23,12 +25,6 @@ HWY_INLINE Vector SeluOf(Vector x) {
   const Vector slope = hn::Set(d, static_cast<float>(kSeluScale * kSeluAlpha));
   const Vector below = hn::MulSub(Exp(hn::Min(x, zero)), slope, slope);
   return hn::MulAdd(hn::Max(x, zero), hn::Set(d, static_cast<float>(kSeluScale)), below);
-}
-
-HWY_INLINE Vector SigmoidOf(Vector x) {
-  const Tag d;
-  const Vector one = hn::Set(d, 1.0F);
-  return hn::Div(one, hn::Add(one, Exp(hn::Min(hn::Neg(x), hn::Set(d, 87.0F)))));
 }
 
 void FastSelu(const Selu& p) {
@@ -106,121 +102,89 @@ void FastDeformableRows(const DeformableRows& p) {
   }
 }
 
-// Channels [lane, lane + kLanes) of a block of a map between four pixels.
-HWY_INLINE Vector Interpolate(const BlockedMap& map, int64_t block, const AlignedTap& y,
-                              const AlignedTap& x, int lane) {
-  const Tag d;
-  const Vector right = hn::Set(d, x.weight);
-  const Vector a = hn::Load(d, map.pixel(block, y.low, x.low) + lane);
-  const Vector b = hn::Load(d, map.pixel(block, y.high, x.low) + lane);
-  const Vector upper =
-      hn::MulAdd(right, hn::Sub(hn::Load(d, map.pixel(block, y.low, x.high) + lane), a), a);
-  const Vector lower =
-      hn::MulAdd(right, hn::Sub(hn::Load(d, map.pixel(block, y.high, x.high) + lane), b), b);
-  return hn::MulAdd(hn::Set(d, y.weight), hn::Sub(lower, upper), upper);
+// The four pixels of a map around a position.
+struct Around {
+  const float* top_left;
+  const float* top_right;
+  const float* bottom_left;
+  const float* bottom_right;
+  Vector right;
+  Vector below;
+
+  HWY_INLINE Around(const BlockedMap& map, const AlignedTap& y, const AlignedTap& x)
+      : top_left(map.pixel(0, y.low, x.low)),
+        top_right(map.pixel(0, y.low, x.high)),
+        bottom_left(map.pixel(0, y.high, x.low)),
+        bottom_right(map.pixel(0, y.high, x.high)),
+        right(hn::Set(Tag(), x.weight)),
+        below(hn::Set(Tag(), y.weight)) {}
+
+  // Channels `at` floats on.
+  HWY_INLINE Vector Interpolate(int64_t at) const {
+    const Tag d;
+    const Vector a = hn::Load(d, top_left + at);
+    const Vector b = hn::Load(d, bottom_left + at);
+    const Vector upper = hn::MulAdd(right, hn::Sub(hn::Load(d, top_right + at), a), a);
+    const Vector lower = hn::MulAdd(right, hn::Sub(hn::Load(d, bottom_right + at), b), b);
+    return hn::MulAdd(below, hn::Sub(lower, upper), upper);
+  }
+};
+
+// What row i reads of the finest map, which no cache holds.
+HWY_INLINE void FetchFeatures(const FeatureRows& p, int64_t i) {
+  const BlockedMap& map = p.maps[0];
+  const AlignedTap& y = p.taps_y[0][p.pixels_y[i]];
+  const AlignedTap& x = p.taps_x[0][p.pixels_x[i]];
+  const float* low = map.pixel(0, y.low, x.low);
+  const float* high = map.pixel(0, y.high, x.low);
+  const int64_t right = static_cast<int64_t>(x.high - x.low) * kBlock;
+  for (int64_t block = 0; block < p.group_blocks; ++block) {
+    hwy::Prefetch(low);
+    hwy::Prefetch(low + right);
+    hwy::Prefetch(high);
+    hwy::Prefetch(high + right);
+    low += map.block_stride();
+    high += map.block_stride();
+  }
 }
 
 void FastFeatureRows(const FeatureRows& p) {
   const Tag d;
+  constexpr int64_t kAhead = 6;  // Rows, whose reads are under way together.
+  for (int64_t i = 0; i < std::min(kAhead, p.count); ++i) {
+    FetchFeatures(p, i);
+  }
   for (int64_t i = 0; i < p.count; ++i) {
-    float* const row = p.rows + i * kBlock;
+    if (i + kAhead < p.count) {
+      FetchFeatures(p, i + kAhead);
+    }
+    float* to = p.rows + i * kBlock;
     Vector squares = hn::Zero(d);
-    const auto put = [&](int64_t block, int lane, Vector value) HWY_ATTR {
-      hn::Store(value, d, row + block * p.block_stride + lane);
-      squares = hn::MulAdd(value, value, squares);
-    };
-    for (int64_t block = 0; block < p.group_blocks; ++block) {
+    for (int64_t block = 0; block < p.group_blocks; ++block, to += p.block_stride) {
       for (int lane = 0; lane < kBlock; lane += kLanes) {
-        put(block, lane, SeluOf(hn::Load(d, row + block * p.block_stride + lane)));
-        for (int map = 0; map < 3; ++map) {
-          put((map + 1) * p.group_blocks + block, lane,
-              Interpolate(p.maps[map], block, p.taps_y[map][p.pixels_y[i]],
-                          p.taps_x[map][p.pixels_x[i]], lane));
+        const Vector value = SeluOf(hn::Load(d, to + lane));
+        hn::Store(value, d, to + lane);
+        squares = hn::MulAdd(value, value, squares);
+      }
+    }
+    for (int map = 0; map < 3; ++map) {
+      const Around around(p.maps[map], p.taps_y[map][p.pixels_y[i]], p.taps_x[map][p.pixels_x[i]]);
+      const int64_t map_stride = p.maps[map].block_stride();
+      for (int64_t block = 0; block < p.group_blocks; ++block, to += p.block_stride) {
+        for (int lane = 0; lane < kBlock; lane += kLanes) {
+          const Vector value = around.Interpolate(block * map_stride + lane);
+          hn::Store(value, d, to + lane);
+          squares = hn::MulAdd(value, value, squares);
         }
       }
     }
     const float length = std::sqrt(hn::GetLane(hn::SumOfLanes(d, squares)));
     const Vector scale = hn::Set(d, 1.0F / std::max(length, 1e-12F));
-    for (int64_t block = 0; block < 4 * p.group_blocks; ++block) {
+    to = p.rows + i * kBlock;
+    for (int64_t block = 0; block < 4 * p.group_blocks; ++block, to += p.block_stride) {
       for (int lane = 0; lane < kBlock; lane += kLanes) {
-        float* const at = row + block * p.block_stride + lane;
-        hn::Store(hn::Mul(hn::Load(d, at), scale), d, at);
+        hn::Store(hn::Mul(hn::Load(d, to + lane), scale), d, to + lane);
       }
-    }
-  }
-}
-
-void FastScoreRow(const ScoreRow& p) {
-  const Tag d;
-  for (int64_t x = 0; x < p.width; ++x) {
-    alignas(64) float values[kBlock];
-    for (int lane = 0; lane < p.channels; lane += kLanes) {
-      Vector sum = hn::Load(d, p.row + x * kBlock + lane);
-      for (int map = 0; map < 3; ++map) {
-        sum = hn::Add(sum, Interpolate(p.maps[map], 0, p.tap_y[map], p.taps_x[map][x], lane));
-      }
-      hn::Store(SeluOf(sum), d, values + lane);
-    }
-    for (int64_t c = 0; c < p.channels; ++c) {
-      p.out[c * p.plane_stride + x] = values[c];
-    }
-  }
-}
-
-// kOut channels of a row, as many vectors of pixels at a time as fill the registers.
-template <int kOut>
-HWY_NOINLINE void PlanarRow(const PlanarConv3x3& p, int64_t y, int64_t out_channel) {
-  const Tag d;
-  constexpr int kVectors = kLanes < 16 ? 2 : 1;
-  static_assert(kBlock % (kVectors * kLanes) == 0);
-  for (int64_t x = 0; x < p.width; x += kVectors * kLanes) {
-    Vector sums[kOut][kVectors];
-    HWY_UNROLL(4)
-    for (int o = 0; o < kOut; ++o) {
-      HWY_UNROLL(2)
-      for (int v = 0; v < kVectors; ++v) {
-        sums[o][v] = hn::Zero(d);
-      }
-    }
-    for (int64_t c = 0; c < p.in_channels; ++c) {
-      const float* const plane =
-          p.in + c * p.plane_stride + y * p.row_stride + kPlaneMargin + x - 1;
-      const float* const weights = p.weights + (out_channel * p.in_channels + c) * 9;
-      for (int64_t tap = 0; tap < 9; ++tap) {
-        const float* const at = plane + tap / 3 * p.row_stride + tap % 3;
-        HWY_UNROLL(2)
-        for (int v = 0; v < kVectors; ++v) {
-          const Vector in = hn::LoadU(d, at + v * kLanes);
-          HWY_UNROLL(4)
-          for (int o = 0; o < kOut; ++o) {
-            sums[o][v] =
-                hn::MulAdd(in, hn::Set(d, weights[o * p.in_channels * 9 + tap]), sums[o][v]);
-          }
-        }
-      }
-    }
-    HWY_UNROLL(4)
-    for (int o = 0; o < kOut; ++o) {
-      float* const out =
-          p.out + (out_channel + o) * p.plane_stride + (y + 1) * p.row_stride + kPlaneMargin + x;
-      HWY_UNROLL(2)
-      for (int v = 0; v < kVectors; ++v) {
-        const Vector value =
-            p.activation == Activation::kSelu ? SeluOf(sums[o][v]) : SigmoidOf(sums[o][v]);
-        hn::Store(value, d, out + v * kLanes);
-      }
-    }
-  }
-}
-
-void FastPlanarConv3x3(const PlanarConv3x3& p) {
-  for (int64_t y = p.row_begin; y < p.row_end; ++y) {
-    int64_t channel = 0;
-    for (; channel + 4 <= p.out_channels; channel += 4) {
-      PlanarRow<4>(p, y, channel);
-    }
-    for (; channel < p.out_channels; ++channel) {
-      PlanarRow<1>(p, y, channel);
     }
   }
 }

@@ -72,10 +72,19 @@ struct FeatureRows {
   int64_t count = 0;
 };
 
+/// Channels of the score head's first layer that are computed together: all that the published
+/// networks have.
+inline constexpr int kScoreGroup = 8;
+
+/// Floats of a pixel in ScoreRow::row.
+inline constexpr int64_t ScoreStride(int64_t channels) {
+  return (channels + kScoreGroup - 1) / kScoreGroup * kScoreGroup;
+}
+
 /// One row of the score head's first activation: selu(row + maps interpolated at (y, x)), as
 /// planes.
 struct ScoreRow {
-  const float* row = nullptr;  ///< [width][kBlock]
+  const float* row = nullptr;  ///< [width][ScoreStride(channels)]; aligned.
   BlockedMap maps[3];          ///< Of one block.
   AlignedTap tap_y[3];
   const AlignedTap* taps_x[3] = {};
@@ -83,7 +92,14 @@ struct ScoreRow {
   int64_t channels = 0;  ///< At most kBlock.
   float* out = nullptr;  ///< Channel c of pixel x at out[c * plane_stride + x].
   int64_t plane_stride = 0;
+  /// ScoreScratchFloats floats, aligned, of this thread only.
+  float* scratch = nullptr;
 };
+
+/// For coarser maps of these widths.
+inline constexpr int64_t ScoreScratchFloats(int64_t width0, int64_t width1, int64_t width2) {
+  return (width0 + width1 + width2) * kScoreGroup;
+}
 
 enum class Activation { kSelu, kSigmoid };
 

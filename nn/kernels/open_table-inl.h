@@ -8,6 +8,7 @@
 #endif
 
 #include "kernels/aliked-inl.h"
+#include "kernels/aliked_scores-inl.h"
 #include "kernels/open_kernels.h"
 #include "kernels/tokens-inl.h"
 

@@ -103,7 +103,7 @@ void ReferenceFeatureRows(const FeatureRows& p) {
 void ReferenceScoreRow(const ScoreRow& p) {
   for (int64_t x = 0; x < p.width; ++x) {
     for (int64_t c = 0; c < p.channels; ++c) {
-      double sum = p.row[x * kBlock + c];
+      double sum = p.row[x * ScoreStride(p.channels) + c];
       for (int map = 0; map < 3; ++map) {
         sum += Interpolate(p.maps[map], 0, static_cast<int>(c), p.tap_y[map], p.taps_x[map][x]);
       }

@@ -26,9 +26,11 @@ struct AlikedNetwork::Buffers {
   std::array<kernels::BlockedMap, 4> inner;   ///< Between their two convolutions.
   TensorView<float> region;                   ///< [threads][...]
   TensorView<float> row;
+  TensorView<float> winograd;
 
   float* RegionOf(int worker) const { return region.data() + worker * region.extent(1); }
   float* RowOf(int worker) const { return row.data() + worker * row.extent(1); }
+  float* WinogradOf(int worker) const { return winograd.data() + worker * winograd.extent(1); }
 };
 
 }  // namespace gluevo::nn

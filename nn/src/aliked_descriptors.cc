@@ -17,6 +17,7 @@ namespace {
 // Of a band.
 constexpr int64_t kBandKeypoints = 28;
 constexpr int64_t kPatchTaps = 9;
+constexpr int64_t kAhead = 12;  // Pixels of a full-size map that are fetched together.
 
 // Bilinear weights of the four pixels around a position, those outside of the image being zero.
 struct Corners {
@@ -68,9 +69,13 @@ void AlikedNetwork::FeaturesAt(const AlikedMaps& maps, kernels::FeatureRows rows
   const kernels::BlockedMap& block1 = maps.blocks[0];
   const int64_t stride = rows.count * kBlock;
   for (int64_t block = 0; block < block1.blocks; ++block) {
+    const auto pixel = [&](int64_t i) {
+      return block1.pixel(block, rows.pixels_y[i], rows.pixels_x[i]);
+    };
     for (int64_t i = 0; i < rows.count; ++i) {
-      std::copy_n(block1.pixel(block, rows.pixels_y[i], rows.pixels_x[i]), kBlock,
-                  scratch + block * stride + i * kBlock);
+      // No cache holds the map.
+      __builtin_prefetch(pixel(std::min(i + kAhead, rows.count - 1)));
+      std::copy_n(pixel(i), kBlock, scratch + block * stride + i * kBlock);
     }
   }
   kernels::MatMul<float> product = Product(layers_.projections[0], scratch, stride, rows.count);

@@ -3,6 +3,7 @@
 
 #include "aliked_buffers.h"
 #include "aliked_network.h"
+#include "kernels/winograd.h"
 #include "map_regions.h"
 
 namespace gluevo::nn {
@@ -69,7 +70,6 @@ void AlikedNetwork::ProjectRow(int level, int64_t y, int64_t x, int64_t count,
   const auto at = static_cast<std::size_t>(level);
   const BlockedMap& block = maps.blocks[at];
   const BlockedMap& features = maps.features[at];
-  const BlockedMap& scores = maps.scores[at];
   const bool keeps = features.data != nullptr;
   float* const rows = keeps ? features.pixel(0, y, x) : scratch;
   const int64_t stride = keeps ? features.block_stride() : count * kBlock;
@@ -81,10 +81,20 @@ void AlikedNetwork::ProjectRow(int level, int64_t y, int64_t x, int64_t count,
   for (int64_t i = 0; i < layers_.size / 4 / kBlock; ++i) {
     open_->selu({.values = rows + i * stride, .count = count * kBlock});
   }
-  if (scores.data != nullptr) {
-    product = Product(layers_.score_groups[at], rows, stride, count);
-    product.c = scores.pixel(0, y, x);
-    kernels_->matmul(product);
+  if (maps.fine_scores.data() == nullptr) {
+    return;
+  }
+  product = Product(layers_.score_groups[at], rows, stride, count);
+  product.c = level == 0 ? scratch + layers_.size / 4 * count : maps.scores[at].pixel(0, y, x);
+  kernels_->matmul(product);
+  if (level == 0) {
+    const int64_t channels = maps.fine_scores.extent(2);
+    float* to = maps.fine_scores.data() + (y * maps.padded_width + x) * channels;
+    for (int64_t i = 0; i < count; ++i, to += channels) {
+      for (int64_t c = 0; c < channels; c += kernels::kScoreGroup) {
+        std::copy_n(product.c + i * kBlock + c, kernels::kScoreGroup, to + c);
+      }
+    }
   }
 }
 
@@ -95,51 +105,53 @@ void AlikedNetwork::Block1(float* gray, const AlikedMaps& maps, const Buffers& b
   const BlockedMap& out = maps.blocks[0];
   const int64_t width = out.width;
   const int64_t height = out.height;
-  ForRegions(workspace.pool, height, width,
-             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
-               const BlockedMap inner{buffers.RegionOf(worker), BlocksOf(layers_.widths[0]),
-                                      row_end - row, column_end - column};
-               const bool left = column == 0;
-               const bool right = column_end == width;
-               const bool top = row == 0;
-               const bool bottom = row_end == height;
-               if (left || right || top || bottom) {
-                 kernels::ClearHalo(inner);
-               }
-               kernels_->conv3x3({.in = {gray + row * (width + 2) + column, 1, height, width},
-                                  .gray = true,
-                                  .weights = layers_.block1_conv1.weights.data(),
-                                  .bias = layers_.block1_conv1.bias.data(),
-                                  .out = inner,
-                                  .row_begin = top ? 0 : -1,
-                                  .row_end = inner.height + (bottom ? 0 : 1),
-                                  .column_begin = left ? 0 : -1,
-                                  .column_end = inner.width + (right ? 0 : 1)});
-               // The halo's zeros stay zeros.
-               open_->selu({.values = inner.data,
-                            .count = BlockedMap::Floats(inner.blocks, inner.height, inner.width)});
-               BlockedMap to = out;
-               to.data += row * out.row_stride() + column * kBlock;
-               kernels_->conv3x3({.in = inner,
-                                  .weights = layers_.block1_conv2.weights.data(),
-                                  .bias = layers_.block1_conv2.bias.data(),
-                                  .out = to,
-                                  .row_end = inner.height,
-                                  .column_end = inner.width});
-               SeluRegion(out, {row, row_end, column, column_end});
-               open_->average_pool({.in = out,
-                                    .size = 2,
-                                    .out = buffers.pooled[1],
-                                    .row_begin = row / 2,
-                                    .row_end = row_end / 2,
-                                    .column_begin = column / 2,
-                                    .column_end = column_end / 2});
-               if (maps.scores[0].data != nullptr) {
-                 for (int64_t y = row; y < row_end; ++y) {
-                   ProjectRow(0, y, column, column_end - column, maps, buffers.RowOf(worker));
-                 }
-               }
-             });
+  ForRegions(
+      workspace.pool, height, width,
+      [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
+        const BlockedMap inner{buffers.RegionOf(worker), BlocksOf(layers_.widths[0]), row_end - row,
+                               column_end - column};
+        const bool left = column == 0;
+        const bool right = column_end == width;
+        const bool top = row == 0;
+        const bool bottom = row_end == height;
+        if (left || right || top || bottom) {
+          kernels::ClearHalo(inner);
+        }
+        layers_.block1_conv1.kernel({.in = {gray + row * (width + 2) + column, 1, height, width},
+                                     .gray = true,
+                                     .weights = layers_.block1_conv1.weights.data(),
+                                     .bias = layers_.block1_conv1.bias.data(),
+                                     .out = inner,
+                                     .row_begin = top ? 0 : -1,
+                                     .row_end = inner.height + (bottom ? 0 : 1),
+                                     .column_begin = left ? 0 : -1,
+                                     .column_end = inner.width + (right ? 0 : 1)});
+        // The halo's zeros stay zeros.
+        open_->selu({.values = inner.data,
+                     .count = BlockedMap::Floats(inner.blocks, inner.height, inner.width)});
+        BlockedMap to = out;
+        to.data += row * out.row_stride() + column * kBlock;
+        layers_.block1_conv2.kernel({.in = inner,
+                                     .weights = layers_.block1_conv2.weights.data(),
+                                     .bias = layers_.block1_conv2.bias.data(),
+                                     .out = to,
+                                     .row_end = inner.height,
+                                     .column_end = inner.width,
+                                     .scratch = buffers.WinogradOf(worker)});
+        SeluRegion(out, {row, row_end, column, column_end});
+        open_->average_pool({.in = out,
+                             .size = 2,
+                             .out = buffers.pooled[1],
+                             .row_begin = row / 2,
+                             .row_end = row_end / 2,
+                             .column_begin = column / 2,
+                             .column_end = column_end / 2});
+        if (maps.fine_scores.data() != nullptr) {
+          for (int64_t y = row; y < row_end; ++y) {
+            ProjectRow(0, y, column, column_end - column, maps, buffers.RowOf(worker));
+          }
+        }
+      });
 }
 
 void AlikedNetwork::Block2(const AlikedMaps& maps, const Buffers& buffers,
@@ -148,27 +160,29 @@ void AlikedNetwork::Block2(const AlikedMaps& maps, const Buffers& buffers,
   const BlockedMap& inner = buffers.inner[1];
   const BlockedMap& out = maps.blocks[1];
   ForRegions(workspace.pool, in.height, in.width,
-             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int /*worker*/) {
-               kernels_->conv3x3({.in = in,
-                                  .weights = layers_.block2_conv1.weights.data(),
-                                  .bias = layers_.block2_conv1.bias.data(),
-                                  .out = inner,
-                                  .row_begin = row,
-                                  .row_end = row_end,
-                                  .column_begin = column,
-                                  .column_end = column_end});
+             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
+               layers_.block2_conv1.kernel({.in = in,
+                                            .weights = layers_.block2_conv1.weights.data(),
+                                            .bias = layers_.block2_conv1.bias.data(),
+                                            .out = inner,
+                                            .row_begin = row,
+                                            .row_end = row_end,
+                                            .column_begin = column,
+                                            .column_end = column_end,
+                                            .scratch = buffers.WinogradOf(worker)});
                SeluRegion(inner, {row, row_end, column, column_end});
              });
   ForRegions(workspace.pool, in.height, in.width,
              [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
-               kernels_->conv3x3({.in = inner,
-                                  .weights = layers_.block2_conv2.weights.data(),
-                                  .bias = layers_.block2_conv2.bias.data(),
-                                  .out = out,
-                                  .row_begin = row,
-                                  .row_end = row_end,
-                                  .column_begin = column,
-                                  .column_end = column_end});
+               layers_.block2_conv2.kernel({.in = inner,
+                                            .weights = layers_.block2_conv2.weights.data(),
+                                            .bias = layers_.block2_conv2.bias.data(),
+                                            .out = out,
+                                            .row_begin = row,
+                                            .row_end = row_end,
+                                            .column_begin = column,
+                                            .column_end = column_end,
+                                            .scratch = buffers.WinogradOf(worker)});
                for (int64_t y = row; y < row_end; ++y) {
                  kernels::MatMul<float> shortcut =
                      Product(layers_.block2_downsample, in.pixel(0, y, column), in.block_stride(),
@@ -203,16 +217,20 @@ AlikedMaps AlikedNetwork::Encode(const GrayImage& image, bool with_scores,
   maps.padded_height = padded(image.height);
   maps.left = (maps.padded_width - image.width) / 2;
   maps.top = (maps.padded_height - image.height) / 2;
+  if (with_scores) {
+    maps.fine_scores = arena.Allocate<float>(
+        {maps.padded_height, maps.padded_width, kernels::ScoreStride(layers_.score_channels)});
+  }
   Buffers buffers;
   for (std::size_t i = 0; i < 4; ++i) {
     const int64_t height = maps.padded_height / kScales[i];
     const int64_t width = maps.padded_width / kScales[i];
     maps.blocks[i] = NewMap(arena, layers_.widths[i], height, width);
-    if (with_scores) {
-      maps.scores[i] = NewMap(arena, layers_.score_channels, height, width);
-    }
     if (i == 0) {
       continue;
+    }
+    if (with_scores) {
+      maps.scores[i] = NewMap(arena, layers_.score_channels, height, width);
     }
     maps.features[i] = NewMap(arena, layers_.size / 4, height, width);
     maps.taps_y[i - 1] = AlignedTaps(arena, height, maps.padded_height);
@@ -228,7 +246,11 @@ AlikedMaps AlikedNetwork::Encode(const GrayImage& image, bool with_scores,
   constexpr int64_t kRegionColumns = 56;
   buffers.region = arena.Allocate<float>(
       {workspace.pool.size(), BlockedMap::Floats(BlocksOf(layers_.widths[0]), 8, kRegionColumns)});
-  buffers.row = arena.Allocate<float>({workspace.pool.size(), layers_.size / 4 * kRegionColumns});
+  buffers.row =
+      arena.Allocate<float>({workspace.pool.size(), (layers_.size / 4 + kBlock) * kRegionColumns});
+  buffers.winograd = arena.Allocate<float>(
+      {workspace.pool.size(),
+       kernels::WinogradScratchFloats(std::max(layers_.widths[0], layers_.widths[1]))});
 
   Block1(GrayPlane(image, maps, workspace), maps, buffers, workspace);
   Block2(maps, buffers, workspace);

@@ -2,24 +2,48 @@
 
 #include <algorithm>
 
+#include "kernels/winograd.h"
+
 namespace gluevo::nn {
 namespace {
 
 using kernels::BlocksOf;
 using kernels::kBlock;
 
+using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 constexpr int64_t kTaps = 9;
 
-AlikedLayers::Convolution PackConvolution(const Affine& affine) {
+Tensor<float> PaddedBias(const Affine& affine) {
+  Tensor<float> bias({PaddedChannels<float>(affine.bias.size())});
+  bias.view().Vector().head(affine.bias.size()) = affine.bias.cast<float>();
+  return bias;
+}
+
+AlikedLayers::Convolution PackDirect(const Affine& affine, const kernels::Kernels& kernels) {
   const int64_t out = affine.weight.rows();
   const int64_t in = affine.weight.cols() / kTaps;
-  const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> weight =
-      affine.weight.cast<float>();
+  const RowMajor weight = affine.weight.cast<float>();
   AlikedLayers::Convolution packed;
+  packed.kernel = kernels.conv3x3;
   packed.weights = Tensor<float>({kernels::PackedConv3x3Floats(out, in)});
   kernels::PackConv3x3(weight.data(), out, in, packed.weights.data());
-  packed.bias = Tensor<float>({PaddedChannels<float>(out)});
-  packed.bias.view().Vector().head(out) = affine.bias.cast<float>();
+  packed.bias = PaddedBias(affine);
+  return packed;
+}
+
+AlikedLayers::Convolution PackForRegions(const Affine& affine, const kernels::Kernels& kernels) {
+  if (kernels.winograd3x3 == nullptr) {
+    return PackDirect(affine, kernels);
+  }
+  const int64_t out = affine.weight.rows();
+  const int64_t in = affine.weight.cols() / kTaps;
+  const RowMajor weight = affine.weight.cast<float>();
+  AlikedLayers::Convolution packed;
+  packed.kernel = kernels.winograd3x3;
+  packed.weights = Tensor<float>({kernels::PackedWinograd3x3Floats(out, in)});
+  kernels::PackWinograd3x3(weight.data(), out, in, packed.weights.data());
+  packed.bias = PaddedBias(affine);
   return packed;
 }
 
@@ -62,14 +86,14 @@ Products MakeProducts(const AlikedWeights& weights) {
 
 }  // namespace
 
-AlikedLayers::AlikedLayers(const AlikedWeights& weights)
+AlikedLayers::AlikedLayers(const AlikedWeights& weights, const kernels::Kernels& kernels)
     : widths(weights.widths),
       size(weights.size),
       samples(weights.samples),
-      block1_conv1(PackConvolution(weights.blocks[0].conv1)),
-      block1_conv2(PackConvolution(weights.blocks[0].conv2)),
-      block2_conv1(PackConvolution(weights.blocks[1].conv1)),
-      block2_conv2(PackConvolution(weights.blocks[1].conv2)),
+      block1_conv1(PackDirect(weights.blocks[0].conv1, kernels)),
+      block1_conv2(PackForRegions(weights.blocks[0].conv2, kernels)),
+      block2_conv1(PackForRegions(weights.blocks[1].conv1, kernels)),
+      block2_conv2(PackForRegions(weights.blocks[1].conv2, kernels)),
       score_channels(weights.score_groups[0].weight.rows()),
       score_layers(weights.score_layers) {
   const Products products = MakeProducts(weights);
@@ -80,8 +104,8 @@ AlikedLayers::AlikedLayers(const AlikedWeights& weights)
       list.emplace_back(&products.deformable[i][conv], &deformable[i][conv].values);
     }
     const AlikedWeights::Block& block = weights.blocks[2 + i];
-    deformable[i][0].offsets = PackConvolution(block.offsets1);
-    deformable[i][1].offsets = PackConvolution(block.offsets2);
+    deformable[i][0].offsets = PackDirect(block.offsets1, kernels);
+    deformable[i][1].offsets = PackDirect(block.offsets2, kernels);
   }
   for (std::size_t i = 0; i < 4; ++i) {
     list.emplace_back(&weights.projections[i], &projections[i]);

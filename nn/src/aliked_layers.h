@@ -13,8 +13,10 @@ namespace gluevo::nn {
 
 /// The weights of AlikedNetwork, packed as its kernels read them.
 struct AlikedLayers {
-  /// A 3x3 convolution for Kernels::conv3x3.
+  /// A 3x3 convolution, packed for its kernel: Winograd's where the set has one and whole regions
+  /// are computed at a time, else the direct one.
   struct Convolution {
+    void (*kernel)(const kernels::Conv3x3&) = nullptr;
     Tensor<float> weights;
     Tensor<float> bias;  ///< Whole blocks.
   };
@@ -25,7 +27,7 @@ struct AlikedLayers {
     Linear<float> values;
   };
 
-  explicit AlikedLayers(const AlikedWeights& weights);
+  AlikedLayers(const AlikedWeights& weights, const kernels::Kernels& kernels);
   AlikedLayers(AlikedLayers&&) noexcept = default;
 
   std::array<int64_t, 4> widths;

@@ -24,8 +24,11 @@ struct AlikedMaps {
   int64_t top = 0;
   std::array<kernels::BlockedMap, 4> blocks;    ///< Outputs of the blocks.
   std::array<kernels::BlockedMap, 4> features;  ///< Projections of these; none of block 1.
-  std::array<kernels::BlockedMap, 4> scores;    ///< Their part of the score head's first layer.
-  std::array<kernels::BlockedMap, 2> offsets;   ///< Of the first convolutions of blocks 3 and 4.
+  /// Their part of the score head's first layer; that of block 1 is [padded height][padded width]
+  /// [ScoreStride], and null where no scores are wanted.
+  std::array<kernels::BlockedMap, 4> scores;
+  TensorView<float> fine_scores;
+  std::array<kernels::BlockedMap, 2> offsets;  ///< Of the first convolutions of blocks 3 and 4.
   /// How the maps 1 to 3 are interpolated at each row and column of the padded image.
   std::array<kernels::AlignedTap*, 3> taps_y;
   std::array<kernels::AlignedTap*, 3> taps_x;
@@ -40,7 +43,7 @@ class AlikedNetwork {
   AlikedNetwork(const AlikedWeights& weights, Isa isa)
       : kernels_(&kernels::KernelsFor(isa)),
         open_(&kernels::OpenKernelsFor(isa)),
-        layers_(weights) {}
+        layers_(weights, *kernels_) {}
 
   const AlikedLayers& layers() const { return layers_; }
 

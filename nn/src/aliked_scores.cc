@@ -37,12 +37,18 @@ Planes NewPlanes(int64_t channels, const AlikedMaps& maps, Workspace& workspace)
 
 TensorView<float> AlikedNetwork::Scores(const AlikedMaps& maps, Workspace& workspace) const {
   Planes planes = NewPlanes(layers_.score_channels, maps, workspace);
-  workspace.pool.ParallelFor(maps.padded_height, [&](int64_t y, int /*worker*/) {
-    kernels::ScoreRow row = {.row = maps.scores[0].pixel(0, y, 0),
-                             .width = maps.padded_width,
-                             .channels = layers_.score_channels,
-                             .out = planes.data + (y + 1) * planes.row_stride + kPlaneMargin,
-                             .plane_stride = planes.plane_stride};
+  const TensorView<float> scratch = workspace.arena.Allocate<float>(
+      {workspace.pool.size(),
+       kernels::ScoreScratchFloats(maps.scores[1].width, maps.scores[2].width,
+                                   maps.scores[3].width)});
+  workspace.pool.ParallelFor(maps.padded_height, [&](int64_t y, int worker) {
+    kernels::ScoreRow row = {
+        .row = maps.fine_scores.data() + y * maps.padded_width * maps.fine_scores.extent(2),
+        .width = maps.padded_width,
+        .channels = layers_.score_channels,
+        .out = planes.data + (y + 1) * planes.row_stride + kPlaneMargin,
+        .plane_stride = planes.plane_stride,
+        .scratch = scratch.data() + worker * scratch.extent(1)};
     for (std::size_t i = 0; i < 3; ++i) {
       row.maps[i] = maps.scores[i + 1];
       row.tap_y[i] = maps.taps_y[i][y];

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <functional>
 
 #include "gluevo/nn/superpoint.h"
 
@@ -86,6 +87,16 @@ class NonMaximumSuppression {
     }
   }
 
+  // Most pixels are far below the threshold: runs of them are left out at once.
+  static constexpr int64_t kRun = 16;
+  static bool AnyAbove(const float* run, float threshold) {
+    uint32_t any = 0;
+    for (int64_t i = 0; i < kRun; ++i) {
+      any |= run[i] > threshold ? 1U : 0U;
+    }
+    return any != 0;
+  }
+
   void CollectCandidates(float threshold) {
     ForEachBand([&](int64_t band) {
       const int64_t begin = band * kBandRows * width_;
@@ -93,9 +104,20 @@ class NonMaximumSuppression {
       std::fill(state_.data() + begin, state_.data() + end, kOpen);
       int32_t* const first = candidates_.indices.data() + begin;
       int32_t* to = first;
-      for (int64_t i = begin; i < end; ++i) {
+      const auto collect = [&](int64_t i) {
         *to = static_cast<int32_t>(i);
         to += scores_[i] > threshold ? 1 : 0;
+      };
+      int64_t i = begin;
+      for (; i + kRun <= end; i += kRun) {
+        if (AnyAbove(scores_.data() + i, threshold)) {
+          for (int64_t j = i; j < i + kRun; ++j) {
+            collect(j);
+          }
+        }
+      }
+      for (; i < end; ++i) {
+        collect(i);
       }
       candidates_.counts[band] = to - first;
     });
@@ -156,32 +178,59 @@ class NonMaximumSuppression {
   TensorView<uint8_t> state_;
 };
 
+// A score that about so many pixels exceed, by a sample of them.
+float ScoreOfRank(TensorView<const float> scores, double rank, Arena& arena) {
+  constexpr int64_t kStride = 61;  // Prime: no column of an image is left out.
+  const TensorView<float> sample = arena.Allocate<float>({(scores.size() + kStride - 1) / kStride});
+  const double of_sample = rank / kStride;
+  if (of_sample >= static_cast<double>(sample.size())) {
+    return 0.0F;
+  }
+  for (int64_t i = 0; i < sample.size(); ++i) {
+    sample[i] = std::max(0.0F, scores[i * kStride]);  // 0 for what is no number, too.
+  }
+  float* const at = sample.data() + static_cast<std::ptrdiff_t>(of_sample);
+  std::nth_element(sample.data(), at, sample.data() + sample.size(), std::greater<>());
+  return *at;
+}
+
 }  // namespace
 
 void SelectKeypoints(TensorView<const float> scores, const SuperPointOptions& options,
                      Workspace& workspace, std::vector<int64_t>& keypoints) {
   NonMaximumSuppression suppression(scores, options.nms_radius, workspace);
-  suppression.Run(options.keypoint_threshold);
-
   const int64_t height = scores.extent(0);
   const int64_t width = scores.extent(1);
-  keypoints.clear();
   // The most that any image of this size has, so that none asks for memory later.
   keypoints.reserve(static_cast<std::size_t>(scores.size()));
-  suppression.ForEachMaximum([&](int64_t i) {
-    const int64_t y = i / width;
-    const int64_t x = i % width;
-    if (y >= options.border && x >= options.border && y < height - options.border &&
-        x < width - options.border) {
-      keypoints.push_back(i);
-    }
-  });
+  const auto collect = [&](float threshold) {
+    suppression.Run(threshold);
+    keypoints.clear();
+    suppression.ForEachMaximum([&](int64_t i) {
+      const int64_t y = i / width;
+      const int64_t x = i % width;
+      if (y >= options.border && x >= options.border && y < height - options.border &&
+          x < width - options.border) {
+        keypoints.push_back(i);
+      }
+    });
+  };
+  // Where a higher threshold leaves as many as are wanted, they are those of the lower one, and
+  // most pixels need not be visited.
+  constexpr double kPixelsPerPeak = 30.0;
+  const auto wanted = static_cast<std::size_t>(options.max_keypoints);
+  const float threshold =
+      std::max(options.keypoint_threshold,
+               ScoreOfRank(scores, kPixelsPerPeak * options.max_keypoints, workspace.arena));
+  collect(threshold);
+  if (keypoints.size() < wanted && threshold > options.keypoint_threshold) {
+    collect(options.keypoint_threshold);
+  }
   const auto better = [&](int64_t i, int64_t j) {
     return scores[i] != scores[j] ? scores[i] > scores[j] : i < j;
   };
   const auto kept =
-      keypoints.begin() + static_cast<std::ptrdiff_t>(std::min(
-                              keypoints.size(), static_cast<std::size_t>(options.max_keypoints)));
+      keypoints.begin() + static_cast<std::ptrdiff_t>(std::min(keypoints.size(), wanted));
   std::nth_element(keypoints.begin(), kept, keypoints.end(), better);
   std::sort(keypoints.begin(), kept, better);
   keypoints.erase(kept, keypoints.end());

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
 
 #include "apps/command_test.h"
@@ -65,6 +66,39 @@ TEST_F(DistinctOutputsTest, OfRuns) {
   fs::create_directories(Path("out"));
   const std::string truth = Write("out/trajectory.tum", "1 0 0 0 0 0 0 1\n");
   ExpectRefused("run " + Path("data") + " -o " + Path("out") + " --groundtruth " + truth, truth);
+}
+
+// Before anything is read: the data set is an empty folder.
+TEST_F(DistinctOutputsTest, TwoOfOneNameAreRefused) {
+  fs::create_directories(Path("data"));
+  fs::create_directories(Path("there"));
+  fs::create_symlink(Path("there"), Path("link"));
+  const auto expect_refused = [&](const std::string& options, const std::string& expected) {
+    SCOPED_TRACE(options);
+    const Outcome outcome = Run("run " + Path("data") + " " + options);
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.error.find(expected), std::string::npos) << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+    EXPECT_EQ(Files(), 3U);
+  };
+  const std::string same = ": two outputs of this command have this name";
+  const std::string file = Path("F.h5");
+  const std::string out = " -o " + Path("out");
+  expect_refused("--save-matches " + file + " --save-map " + Path("there/../F.h5") + out,
+                 file + same);
+  for (const char* const option : {" --save-matches ", " --save-map "}) {
+    expect_refused(option + Path("out/metrics.json") + out, Path("out/metrics.json") + same);
+    expect_refused(option + Path("there/report.html") + " -o " + Path("link"),
+                   Path("there/report.html") + same);
+    expect_refused(option + Path("map/points.ply") + out + " --map " + Path("map"),
+                   Path("map/points.ply") + same);
+    expect_refused(option + Path("map/colmap/0/images.txt") + out + " --map " + Path("map"),
+                   ": lies below " + Path("map/colmap"));
+    expect_refused(option + Path("out") + out, ": lies below " + Path("out"));
+  }
+  const Outcome live = Run("live " + Path("data") + out + " --socket " + Path("out/report.html"));
+  EXPECT_EQ(live.exit_code, 2);
+  EXPECT_NE(live.error.find(same), std::string::npos) << live.error;
 }
 
 // The folders that are inputs hold more files than the command line names.

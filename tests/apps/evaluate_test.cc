@@ -168,8 +168,10 @@ TEST_F(EvaluateTest, PrintsATable) {
   EXPECT_NE(outcome.out.find("1.414214 m"), std::string::npos) << outcome.out;
   EXPECT_NE(outcome.out.find("0.500000"), std::string::npos) << outcome.out;
   // Of steps of 2 m the estimate makes 4.
-  EXPECT_NE(outcome.out.find("RPE over 1 frame            2.000000 m, 0.000000 deg"),
+  EXPECT_NE(outcome.out.find("RPE over 1 frame            2.000000 m, 0.000000 deg; median 2."),
             std::string::npos)
+      << outcome.out;
+  EXPECT_NE(outcome.out.find("RPE, lengths                1, 2, 3"), std::string::npos)
       << outcome.out;
 }
 
@@ -188,9 +190,19 @@ TEST_F(EvaluateTest, SaysWhyAFigureIsUndefined) {
   const Outcome outcome = Run("evaluate " + still + " " + still + " --delta 9");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
   EXPECT_EQ(outcome.out.find("nan"), std::string::npos) << outcome.out;
-  for (const char* const why : {"moves less than 0.5 m", "does not move", "fewer poses"}) {
+  for (const char* const why :
+       {"ground truth does not move", "one of both does not move", "fewer poses"}) {
     EXPECT_NE(outcome.out.find(why), std::string::npos) << why << '\n' << outcome.out;
   }
+}
+
+TEST_F(EvaluateTest, SaysThatThePathIsShorterThanTheLengths) {
+  const Outcome outcome = Run("evaluate " + Write("e.tum", kEstimateTum) + " " +
+                              Write("g.tum", kTruthTum) + " --rpe-lengths 2000,1000");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find(" m is too short, expected more than 1000 m"), std::string::npos)
+      << outcome.out;
+  EXPECT_EQ(outcome.out.find("does not move"), std::string::npos) << outcome.out;
 }
 
 TEST_F(EvaluateTest, DrawsAPlot) {

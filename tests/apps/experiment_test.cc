@@ -374,6 +374,8 @@ TEST_F(ExperimentTest, RefusesWhatItDoesNotUnderstand) {
       "data: [{path: flight}]\nmethods:\n  - {name: a b, method: klt}\n"
       "  - {name: a_b, method: klt}\n",
       "would share the folder");
+  ExpectRefused(good + "options: {save-matches: m.h5}\nsweep: {stride: [1, 2]}\n",
+                "would both write m.h5 (save-matches)");
   const Outcome absent = Run("experiment " + Path("none.yaml") + " -o " + Path("out"));
   EXPECT_EQ(absent.exit_code, 1);
   EXPECT_NE(absent.error.find("none.yaml: cannot be read"), std::string::npos) << absent.error;

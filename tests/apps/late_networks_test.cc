@@ -53,5 +53,29 @@ TEST_F(LateNetworksTest, LatenessIsByTheScheduleWhateverTheThreads) {
   EXPECT_NE(Contents(one + "/trajectory.tum"), Contents(Path("in_line/trajectory.tum")));
 }
 
+TEST_F(LateNetworksTest, WhatIsWithoutEffectIsSaid) {
+  ASSERT_EQ(
+      Run("simulate -o " + Path("flight") + " --duration 0.5 --rate 10 --width 160 --height 120")
+          .exit_code,
+      0);
+  const std::string run = "run " + Path("flight") + " -o " + Path("out") + " --loops off ";
+  const auto expect_said = [&](const std::string& options, const std::string& sentence) {
+    const Outcome outcome = Run(run + options);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.error;
+    EXPECT_NE(outcome.error.find("gluevo: warning: " + sentence + "\n"), std::string::npos)
+        << outcome.error;
+    EXPECT_NE(MetricsOf(Path("out"))["warnings"].dump().find(sentence), std::string::npos);
+  };
+  expect_said("--method klt --superglue-lag 3 --max-ratio 0.7",
+              "--superglue-lag, --max-ratio: not used by --method klt");
+  expect_said("--superglue-lag 7 --superglue-every 2",
+              "--superglue-lag 7 is more than --superglue-every 2: the networks take up a frame "
+              "when they are done with the one before, 7 frames later");
+  const Outcome quiet = Run(run + "--superglue-lag 2 --save-matches " + Path("m.h5"));
+  EXPECT_EQ(quiet.error.find("warning: --superglue-lag"), std::string::npos) << quiet.error;
+  expect_said("--superglue-lag 7 --replay " + Path("m.h5"),
+              "--superglue-lag: not used by --replay, which takes the matches as they are");
+}
+
 }  // namespace
 }  // namespace gluevo::apps

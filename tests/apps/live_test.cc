@@ -173,8 +173,8 @@ TEST_F(LiveTest, WhatCannotBeIsOneLine) {
   ExpectRefused(Path("absent"), "absent: no such");
   ExpectRefused(Flight() + " " + Flight(), "two sources are left and right camera", 2);
   ExpectRefused(Flight() + " --rounds 2 --imu on", "expected --imu off", 2);
-  ExpectRefused("/dev/video99 --imu on --calibration " + calibration, "expected off for cameras",
-                2);
+  ExpectRefused("/dev/video99 --imu on --calibration " + calibration,
+                "cameras come without inertial unit", 2);
   ExpectRefused(Flight() + " --method klt --udp nowhere", "expected HOST:PORT", 2);
   ExpectRefused(Flight() + " --method klt --socket " + calibration, "is there and no socket");
   ExpectRefused(Flight() + " --method klt --view nowhere:x",

@@ -133,7 +133,9 @@ TEST_F(LoopsTest, ARunThatCannotHaveThemSaysSoAndGoesOnUnlessTheyAreAskedFor) {
   ASSERT_EQ(without.exit_code, 0) << without.error;
   EXPECT_NE(without.error.find("loops are off: "), std::string::npos) << without.error;
   EXPECT_NE(without.error.find(Path("none")), std::string::npos) << without.error;
-  EXPECT_EQ(Metrics("out")["options"]["loops"], "off");
+  const nlohmann::json metrics = Metrics("out");
+  EXPECT_EQ(metrics["options"]["loops"], "off");
+  EXPECT_NE(metrics["warnings"].dump().find("loops are off: "), std::string::npos);
   EXPECT_FALSE(fs::exists(fs::path(Path("out")) / "trajectory_optimized.tum"));
   EXPECT_EQ(Run(run + Path("out") + " --loops on").exit_code, 1);
 }

@@ -68,7 +68,8 @@ TemporaryFolder* MapsTest::folder_ = nullptr;
 TEST_F(MapsTest, InfoSaysWhatAMapHolds) {
   const Outcome info = Run("map info " + Map());
   ASSERT_EQ(info.exit_code, 0) << info.error;
-  for (const char* const part : {"superpoint", "built-in", "320 x 240", "parts: 0 ("}) {
+  for (const char* const part :
+       {"superpoint", "built-in", "320 x 240", "parts: 1 (of segment 0: "}) {
     EXPECT_NE(info.out.find(part), std::string::npos) << info.out;
   }
   // Of ten seconds.
@@ -152,8 +153,8 @@ TEST_F(MapsTest, ALaterRunGoesOnInIt) {
   EXPECT_LT(metrics["optimized"]["ate_se3_m"], 0.05);
   // One map, of both runs.
   const Outcome info = Run("map info " + Path("grown.map"));
-  EXPECT_NE(info.out.find("parts: 0 ("), std::string::npos) << info.out;
-  EXPECT_EQ(info.out.find("key frames), "), std::string::npos) << info.out;
+  EXPECT_NE(info.out.find("parts: 1 (of segment 0: "), std::string::npos) << info.out;
+  EXPECT_EQ(info.out.find("; of segment"), std::string::npos) << info.out;
 
   // The same by two maps.
   ASSERT_EQ(Run(run + Path("second") + " --save-map " + Path("second.map")).exit_code, 0);

@@ -185,9 +185,9 @@ TEST_F(OpenNetworksTest, PairsThatDoNotFitAreRefusedByName) {
   const std::string lightglue = SaveLightGlue("l.safetensors");
   const std::string run = "run " + root + " -o " + Path("out") + " ";
   const std::string both = "--features aliked --aliked " + aliked + " --lightglue ";
-  ExpectRefused(run + "--features aliked --matcher superglue", "expected lightglue or nn");
+  ExpectRefused(run + "--features aliked --matcher superglue", "expected lightglue or nn", 2);
   ExpectRefused(run + "--features aliked --refine subpixel", "option refine is \"subpixel\"", 2);
-  ExpectRefused(run + "--aliked " + aliked, "expected --features aliked");
+  ExpectRefused(run + "--aliked " + aliked, "expected --features aliked", 2);
   ExpectRefused(run + both + SaveLightGlue("d.safetensors", "disk"), "trained on \"disk\"");
   const std::string wide = Save("w.safetensors", nn::RandomLightGlueWeights(2, 128, 32, 2));
   ExpectRefused(run + both + wide,

@@ -99,6 +99,8 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
   ExpectBadUsage(run + "--loop-candidates 0", "(--loop-candidates)");
   EXPECT_EQ(Run(run + "--superpoint absent.safetensors").exit_code, 1);
   ExpectBadUsage(run + "--loops off --final-adjustment on", "expected --loops on");
+  ExpectBadUsage(run + "--start 2", "(--start); expected at most 1");
+  ExpectBadUsage(run + "--solver ceres --imu on", "(--solver) is \"ceres\"; expected gluevo");
   const std::string simulate = "simulate -o " + Path("other");
   for (const std::string& command :
        {simulate + " --duration 0", simulate + " --calibration-error 11", simulate + " --width 16",
@@ -107,6 +109,36 @@ TEST_F(UsageTest, WhatIsOutOfRangeIsNamedAsItIsTyped) {
     EXPECT_EQ(outcome.exit_code, 2) << command;
     EXPECT_NE(outcome.error.find("; see gluevo "), std::string::npos) << outcome.error;
   }
+}
+
+// Before anything is looked for: no folder "data" is there.
+TEST_F(UsageTest, ValuesThatDoNotGoTogetherAreNamedFirst) {
+  for (const std::string command : {"run data -o out ", "live data -o out "}) {
+    ExpectBadUsage(command + "--window 2", "(--window)");
+    ExpectBadUsage(command + "--loop-interval -1", "(--loop-interval)");
+    ExpectBadUsage(command + "--imu off --imu-rate", "--imu off uses no inertial unit");
+    ExpectBadUsage(command + "--imu off --estimate-time-offset", "expected no --estimate-time");
+    ExpectBadUsage(command + "--solver ceres --imu-rate", "--solver ceres uses no inertial unit");
+    ExpectBadUsage(command + "--features aliked --matcher superglue", "expected lightglue or nn");
+  }
+  ExpectBadUsage("live data -o out --udp x", "--udp is \"x\"; expected HOST:PORT");
+  ExpectBadUsage("live data -o out --view x:y", "--view is \"x:y\"; expected PORT");
+  ExpectBadUsage("live data -o out --view-token a", "expected --view");
+  ExpectBadUsage("live data -o out --rounds 2 --imu-rate", "--rounds goes backwards");
+  ExpectBadUsage("live /dev/video0 -o out --imu on --calibration c.yaml", "expected --imu off");
+  EXPECT_EQ(Run("live data -o out").exit_code, 1);
+}
+
+TEST_F(UsageTest, FilesOfOptionsAreUsageToo) {
+  const auto expect_refused = [&](const std::string& text, const std::string& phrase) {
+    ExpectBadUsage("run data -o out --config " + Write("o.yaml", text), phrase);
+  };
+  expect_refused("stride: 2\ncount: x\n", "o.yaml:2: --count: expected a whole number >= 1");
+  expect_refused("counts: 3\n", "o.yaml:1: unknown option \"counts\"");
+  expect_refused("count: [1, 2]\n", "o.yaml:1: expected one value of option count");
+  expect_refused("window: 2\n", "(--window)");
+  expect_refused("imu: off\nimu-rate: true\n", "--imu off uses no inertial unit");
+  ExpectRefused("run data -o out --config " + Write("o.yaml", "- a\n"), 1, "expected a map");
 }
 
 TEST_F(UsageTest, EmptyValuesAreNoValues) {

@@ -104,7 +104,7 @@ TEST_F(ViewTest, SavesTheMap) {
                       "!document.getElementById('save').disabled"));
   browser.Evaluate("document.getElementById('save').click()");
   EXPECT_TRUE(browser.Becomes("gluevo.status.message.startsWith('saved ')"));
-  EXPECT_EQ(Run("map info " + Path("out/map.h5")).exit_code, 0);
+  EXPECT_EQ(Run("map info " + Path("out/places.map")).exit_code, 0);
   live->Send(SIGINT);
   EXPECT_EQ(live->ExitCode(), 0) << Contents(Path("log"));
 }

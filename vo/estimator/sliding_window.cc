@@ -14,7 +14,7 @@ void SlidingWindowOptions::Validate() const {
   CheckPositive(noise_px, "window.noise_px");
   CheckPositive(huber, "window.huber");
   CheckAtLeast(max_iterations, 1, "window.max_iterations (--iterations)");
-  CheckWithin(least_decrease, 0.0, 1.0, "window.least_decrease");
+  CheckWithin(least_decrease, 0.0, 1.0, "window.least_decrease (--least-decrease)");
   if (solver != "gluevo" && solver != "ceres") {
     throw OptionError("option window.solver (--solver) is " + Quoted(solver) +
                       "; expected gluevo or ceres");

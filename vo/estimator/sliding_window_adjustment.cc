@@ -105,6 +105,11 @@ bool SlidingWindow::Optimize() {
   }
   const WindowSolverLimits limits{.max_iterations = options_.max_iterations,
                                   .least_decrease = options_.least_decrease};
+  // What is made up for for the first time is first told to be a turn or a shift.
+  if (!calibration_.bend.has_begun()) {
+    WeighBend(limits);
+    problem.bend = calibration_.correction.bend;
+  }
   const bool is_solved = options_.solver == "ceres" ? SolveByCeres(problem, limits)
                                                     : workspace_->solver.Solve(problem, limits);
   if (is_solved) {

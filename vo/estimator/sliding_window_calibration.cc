@@ -9,6 +9,13 @@
 
 // How the right camera sees, against its calibration.
 namespace gluevo::vo {
+namespace {
+
+// Views of fewer frames see few distances: what lenses add to them may be anything, of which
+// standard deviations know nothing.
+constexpr std::size_t kFewestFrames = 5;
+
+}  // namespace
 
 StereoRig SlidingWindow::rig() const {
   StereoRig rig = calibrated_rig_;
@@ -31,12 +38,13 @@ void SlidingWindow::LearnCalibration(double variance_scale) {
   calibration_.turn = calibration_.correction.turn + workspace_->equations.StepOfTurn();
   const Eigen::Array3d bound = (calibration_.is_off ? kStays : 1.0) * kSigmas *
                                (variance + kMatchingBias * kMatchingBias).sqrt();
-  calibration_.is_off = (calibration_.turn.array().abs() > bound).any();
+  calibration_.is_known = calibration_.is_known || frames_.size() >= kFewestFrames;
+  calibration_.is_off = calibration_.is_known && (calibration_.turn.array().abs() > bound).any();
 }
 
 void SlidingWindow::WeighBend(const WindowSolverLimits& limits) {
-  // So few, so that a wrong one is not followed for long; then windows without a frame in common.
-  constexpr std::size_t kFewestFrames = 5;
+  // A wrong one is not to be followed for long; later ones are of windows without a frame in
+  // common.
   const WindowProblem& problem = workspace_->problem;
   if (!(problem.turn_sigma > 0.0) || calibration_.bend.is_complete() ||
       frames_.size() < kFewestFrames || --calibration_.frames_to_weigh > 0) {

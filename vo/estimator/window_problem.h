@@ -94,7 +94,7 @@ struct WindowState {
 struct WindowSolverLimits {
   int max_iterations = 8;
   /// An iteration that lowers the cost by less than this share of it is the last.
-  double least_decrease = 1e-6;
+  double least_decrease = 1e-3;
 };
 
 }  // namespace gluevo::vo

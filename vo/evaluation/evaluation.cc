@@ -94,10 +94,12 @@ void EvaluateAbsolute(const std::vector<PosePair>& pairs, Evaluation& evaluation
 }
 
 /// KITTI's lengths of sub-paths, or the largest tenths of them of which a path holds five.
+constexpr double kLengthSteps[] = {100.0, 10.0, 1.0, 0.1};
+constexpr int kFewestHeld = 5;
+
 std::vector<double> SubPathLengths(double path_length) {
   constexpr int kLengths = 8;
-  constexpr int kFewestHeld = 5;
-  for (const double step : {100.0, 10.0, 1.0, 0.1}) {
+  for (const double step : kLengthSteps) {
     if (path_length >= kFewestHeld * step) {
       std::vector<double> lengths;
       for (int i = 1; i <= kLengths; ++i) {
@@ -129,8 +131,13 @@ void EvaluateRelative(const std::vector<PosePair>& pairs, const EvaluationOption
   double translation_sum = 0.0;
   double rotation_sum = 0.0;
   std::size_t count = 0;
+  const bool is_asked = !options.rpe_lengths_m.empty();
   const std::vector<double> lengths =
-      options.rpe_lengths_m.empty() ? SubPathLengths(travelled.back()) : options.rpe_lengths_m;
+      is_asked ? options.rpe_lengths_m : SubPathLengths(travelled.back());
+  evaluation.path_m = travelled.back();
+  evaluation.shortest_path_m =
+      is_asked ? *std::min_element(lengths.begin(), lengths.end())
+               : kFewestHeld * *std::min_element(std::begin(kLengthSteps), std::end(kLengthSteps));
   for (const double length : lengths) {
     const std::size_t count_before = count;
     for (std::size_t start = 0; start < pairs.size(); ++start) {

@@ -9,6 +9,7 @@
 #include "gluevo/nn/error.h"
 #include "gluevo/vo/core/angle.h"
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/inertial/gravity.h"
 #include "gyroscope_start.h"
 #include "motion_equations.h"
@@ -68,11 +69,11 @@ void SolveForMotion(const EliminatedFrames& frames, double length, InertialStart
   start.velocities_in_world = frames.Velocities(state);
 }
 
-std::string Degrees(double radians) { return std::to_string(radians / kDegree) + " degrees"; }
+std::string Degrees(double radians) { return ShortText(radians / kDegree, 3) + " degrees"; }
 
 std::string WhyRefused(const InertialStart& start, const InitialisationOptions& options) {
   const auto disagree = [](const std::string& sensor, double rms) {
-    return "the " + sensor + " and the images disagree, by " + std::to_string(rms) +
+    return "the " + sensor + " and the images disagree, by " + ShortText(rms, 3) +
            " standard deviations: is the unit mounted as the calibration says, and its clock that "
            "of the images?";
   };
@@ -84,8 +85,8 @@ std::string WhyRefused(const InertialStart& start, const InitialisationOptions& 
   }
   if (!(std::abs(start.free_gravity - options.gravity) <=
         options.largest_gravity_error * options.gravity)) {
-    return "gravity comes out as " + std::to_string(start.free_gravity) + " m/s^2, expected " +
-           std::to_string(options.gravity);
+    return "gravity comes out as " + ShortText(start.free_gravity, 4) + " m/s^2, expected " +
+           ShortText(options.gravity, 4);
   }
   if (!(start.gravity_sigma <= options.largest_gravity_sigma)) {
     return "gravity's direction is known to " + Degrees(start.gravity_sigma) + " only, expected " +
@@ -127,10 +128,9 @@ InertialStart StartInMotion(const Trajectory& frames, const std::vector<ImuSampl
   // With fewer residuals fit by chance: of seconds apart some were that were wrong.
   constexpr std::size_t kFewest = 10;
   if (intervals.size() < kFewest || duration_s < options.least_duration_s) {
-    start.refused = std::to_string(intervals.size()) + " intervals between frames, " +
-                    std::to_string(duration_s) + " s, have samples, expected at least " +
-                    std::to_string(kFewest) + " and " + std::to_string(options.least_duration_s) +
-                    " s";
+    start.refused = "too few of the newest frames have readings from one to the next, expected " +
+                    std::to_string(kFewest + 1) + " such frames or more, over " +
+                    ShortText(options.least_duration_s) + " s";
     return start;
   }
   GyroscopeStart gyroscope;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gluevo/vo/core/options_check.h"
+#include "gluevo/vo/core/text.h"
 #include "gluevo/vo/inertial/gravity.h"
 
 namespace gluevo::vo {
@@ -85,8 +86,8 @@ InertialStart StartAtRest(const ImuRest& rest, const Rigid3& world_from_body,
   start.free_gravity = rest.specific_force.norm();
   if (std::abs(start.free_gravity - options.gravity) >
       options.largest_gravity_error * options.gravity) {
-    start.refused = "at rest the accelerometer shows " + std::to_string(start.free_gravity) +
-                    " m/s^2, expected gravity, " + std::to_string(options.gravity);
+    start.refused = "at rest the accelerometer shows " + ShortText(start.free_gravity, 4) +
+                    " m/s^2, expected gravity, " + ShortText(options.gravity, 4);
     return start;
   }
   const Eigen::Vector3d up = rest.specific_force.normalized();

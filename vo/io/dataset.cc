@@ -139,7 +139,11 @@ Dataset OpenAll(const fs::path& root, const DatasetOptions& options) {
   }
   if ((options.imu || options.imu_calibration) && !format.takes_calibration) {
     throw Error(root.string() +
-                ": a KITTI data set has its own inertial readings (oxts), which take no others");
+                (format.name == DatasetFormat::kKittiRaw
+                     ? ": a KITTI raw data set has its own inertial readings (oxts), which take no "
+                       "others"
+                     : ": KITTI's odometry data set has no inertial unit and no place for one's "
+                       "readings: expected no --imu FILE and no --imu-calibration"));
   }
   return format.open(root, options);
 }
@@ -195,9 +199,9 @@ Dataset OpenDataset(const fs::path& path, const DatasetOptions& options) {
   }
   CheckCalibration(dataset);
   if (static_cast<std::size_t>(options.start) >= dataset.entries.size()) {
-    throw Error("first frame " + std::to_string(options.start) + " is beyond the last, " +
-                std::to_string(dataset.entries.size() - 1) + ", of " + path.string() +
-                " (--start)");
+    throw OptionError("first frame " + std::to_string(options.start) + " is beyond the last of " +
+                      path.string() + " (--start); expected at most " +
+                      std::to_string(dataset.entries.size() - 1));
   }
   std::vector<Dataset::Entry> chosen;
   const auto wanted =

@@ -1,6 +1,7 @@
 #include "gluevo/vo/mapping/loop_closer.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "gluevo/vo/core/options_check.h"
@@ -13,6 +14,7 @@ void LoopOptions::Validate() const {
   CheckWithin(min_age_s, 0.0, 1e9, "loops.min_age_s (--loop-min-age)");
   CheckWithin(min_similarity, -1.0, 1.0, "loops.min_similarity");
   CheckWithin(min_similarity_share, 0.0, 1.0, "loops.min_similarity_share");
+  CheckAtLeast(max_compared, 1, "loops.max_compared");
   CheckAtLeast(max_candidates, 1, "loops.max_candidates (--loop-candidates)");
   verification.Validate();
   consistency.Validate();
@@ -63,37 +65,72 @@ std::vector<PlaceIndex::Similar> LoopCloser::FindCandidates() const {
         least, options_.min_similarity_share * place.dot(places_[places_.size() - 2]));
   }
   std::vector<PlaceIndex::Similar> candidates = places_.MostSimilar(
-      place, CountOldEnough(), static_cast<std::size_t>(options_.max_candidates), least);
-  // Where tracking was lost, or nearly so, the last place is the likeliest, whatever it looks like.
-  const std::size_t last = keyframes_.size() - 2;
-  if (keyframes_.size() > loaded_ + 1 &&
-      (keyframes_[last].segment != query.segment || IsDoubtful(query.motion_covariance))) {
-    std::erase_if(candidates, [&](const auto& other) { return other.place == last; });
-    candidates.insert(candidates.begin(), {last, place.dot(places_[last])});
+      place, CountOldEnough(), static_cast<std::size_t>(options_.max_compared), least);
+  if (const std::optional<std::size_t> last = LastBeforeLoss()) {
+    std::erase_if(candidates, [&](const auto& other) { return other.place == *last; });
+    candidates.insert(candidates.begin(), {*last, place.dot(places_[*last])});
   }
   return candidates;
 }
 
+std::optional<std::size_t> LoopCloser::LastBeforeLoss() const {
+  if (keyframes_.size() <= loaded_ + 1) {
+    return std::nullopt;
+  }
+  const LoopKeyframe& query = keyframes_.back();
+  const std::size_t last = keyframes_.size() - 2;
+  return keyframes_[last].segment != query.segment || IsDoubtful(query.motion_covariance)
+             ? std::optional(last)
+             : std::nullopt;
+}
+
 void LoopCloser::Verify(const std::vector<PlaceIndex::Similar>& candidates) {
   const LoopKeyframe& query = keyframes_.back();
+  const LoopVerificationOptions& options = options_.verification;
+  const std::optional<std::size_t> last = LastBeforeLoss();
+  // With how many keypoints look alike.
+  std::vector<std::pair<int, PlaceIndex::Similar>> others;
   for (const PlaceIndex::Similar& candidate : candidates) {
-    const LoopKeyframe& old = keyframes_[candidate.place];
-    const LoopCheck check = VerifyLoop(rig_, query, old, *matcher_, options_.verification);
-    attempts_.push_back({.query_ns = query.timestamp_ns,
-                         .candidate_ns = old.timestamp_ns,
-                         .is_of_loaded_map = candidate.place < loaded_,
-                         .similarity = candidate.similarity,
-                         .matches = check.matches,
-                         .inliers = check.inliers,
-                         .reason = check.reason});
+    const LoopCheck check = VerifyLoopByNearest(rig_, query, keyframes_[candidate.place], options);
+    if (check.measurement && Note(candidate, check)) {
+      return;
+    }
     if (check.measurement) {
-      Trust({candidate.place, keyframes_.size() - 1, *check.measurement, check.inliers},
-            attempts_.size() - 1);
-      if (attempts_.back().is_closed) {
-        return;
-      }
+      continue;
+    }
+    const int alike = candidate.place == last ? std::numeric_limits<int>::max() : check.matches;
+    if (alike >= options.min_nearest) {
+      others.emplace_back(alike, candidate);
+    } else if (&candidate == &candidates.front()) {
+      Note(candidate, check);  // The others that are ruled out like this are no news.
     }
   }
+  std::stable_sort(others.begin(), others.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  others.resize(
+      std::min(others.size(), static_cast<std::size_t>(options_.max_candidates) + (last ? 1 : 0)));
+  for (const auto& [alike, candidate] : others) {
+    if (Note(candidate, VerifyLoop(rig_, query, keyframes_[candidate.place], *matcher_, options))) {
+      return;
+    }
+  }
+}
+
+bool LoopCloser::Note(const PlaceIndex::Similar& candidate, const LoopCheck& check) {
+  const LoopKeyframe& old = keyframes_[candidate.place];
+  attempts_.push_back({.query_ns = keyframes_.back().timestamp_ns,
+                       .candidate_ns = old.timestamp_ns,
+                       .is_of_loaded_map = candidate.place < loaded_,
+                       .similarity = candidate.similarity,
+                       .matches = check.matches,
+                       .inliers = check.inliers,
+                       .reason = check.reason});
+  if (!check.measurement) {
+    return false;
+  }
+  Trust({candidate.place, keyframes_.size() - 1, *check.measurement, check.inliers},
+        attempts_.size() - 1);
+  return attempts_.back().is_closed;
 }
 
 void LoopCloser::Trust(const Loop& loop, std::size_t attempt) {

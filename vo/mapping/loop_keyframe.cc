@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "gluevo/vo/geometry/epipolar.h"
@@ -15,8 +16,9 @@ namespace {
 constexpr double kDoubtfulTurn = 0.3;
 constexpr double kShortestDoubt = 0.1;
 
-Eigen::Vector2d Ray(const Camera& camera, const nn::Features& features, int i) {
-  return camera.Undistort(features.keypoints.row(i).transpose().cast<double>());
+Eigen::Vector2d PixelOf(const nn::Features& features, int i) {
+  return i < 0 ? Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN())
+               : Eigen::Vector2d(features.keypoints.row(i).transpose().cast<double>());
 }
 
 }  // namespace
@@ -34,19 +36,18 @@ bool IsDoubtful(const PoseCovariance& motion_covariance) {
 }
 
 std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Features& left,
-                                            const nn::Features& right, const nn::Matches& stereo,
+                                            const std::vector<Eigen::Vector2d>& right_pixels,
                                             double max_epipolar_error_px) {
   const EpipolarCheck epipolar(rig);
   const Rigid3 right_from_left = rig.right_from_left();
   std::vector<StereoKeypoint> keypoints(static_cast<std::size_t>(left.size()));
   for (int i = 0; i < left.size(); ++i) {
     StereoKeypoint& keypoint = keypoints[i];
-    keypoint.left = Ray(rig.cameras[0], left, i);
-    const int match = stereo.matches0[i];
-    if (match < 0) {
+    keypoint.left = rig.cameras[0].Undistort(PixelOf(left, i));
+    if (!right_pixels[i].allFinite()) {
       continue;
     }
-    keypoint.right = Ray(rig.cameras[1], right, match);
+    keypoint.right = rig.cameras[1].Undistort(right_pixels[i]);
     keypoint.has_right = epipolar.Allows(keypoint.left, keypoint.right, max_epipolar_error_px);
     if (!keypoint.has_right) {
       continue;
@@ -58,6 +59,17 @@ std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Feat
     }
   }
   return keypoints;
+}
+
+std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Features& left,
+                                            const nn::Features& right, const nn::Matches& stereo,
+                                            double max_epipolar_error_px) {
+  std::vector<Eigen::Vector2d> right_pixels;
+  right_pixels.reserve(stereo.matches0.size());
+  for (const int match : stereo.matches0) {
+    right_pixels.push_back(PixelOf(right, match));
+  }
+  return LocateKeypoints(rig, left, right_pixels, max_epipolar_error_px);
 }
 
 }  // namespace gluevo::vo

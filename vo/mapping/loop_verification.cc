@@ -1,9 +1,11 @@
 #include "gluevo/vo/mapping/loop_verification.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
+#include "gluevo/nn/nearest_neighbor.h"
 #include "gluevo/vo/core/options_check.h"
 #include "gluevo/vo/geometry/pose_uncertainty.h"
 #include "keyframe_views.h"
@@ -86,23 +88,11 @@ LoopMeasurement Refined(const StereoRig& rig, const LoopKeyframe& query,
       .value_or(LoopMeasurement{located.known_from_seen, located.covariance});
 }
 
-}  // namespace
-
-void LoopVerificationOptions::Validate() const {
-  CheckWithin(match_threshold, 0.0, 1.0, "loops.match_threshold");
-  CheckAtLeast(min_matches, 4, "loops.min_matches");
-  CheckAtLeast(min_inliers, 4, "loops.min_inliers");
-  CheckWithin(min_inlier_share, 0.0, 1.0, "loops.min_inlier_share");
-  CheckAtLeast(min_fields, 1, "loops.min_fields");
-  CheckPositive(max_disagreement, "loops.max_disagreement");
-  pnp.Validate();
-}
-
-LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const LoopKeyframe& candidate,
-                     Matcher& matcher, const LoopVerificationOptions& options) {
+// Whether the two see the same, by matches from the candidate's keypoints to the query's.
+LoopCheck CheckMatches(const StereoRig& rig, const LoopKeyframe& query,
+                       const LoopKeyframe& candidate, const nn::Matches& matches,
+                       const LoopVerificationOptions& options) {
   LoopCheck check;
-  const nn::Matches matches =
-      matcher.Match(candidate.features, query.features, options.match_threshold);
   std::vector<Pair> forth;
   std::vector<Pair> back;
   for (std::size_t i = 0; i < matches.matches0.size(); ++i) {
@@ -141,6 +131,40 @@ LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const Loop
   }
   check.measurement = Refined(rig, query, candidate, *by_candidate, options);
   return check;
+}
+
+}  // namespace
+
+void LoopVerificationOptions::Validate() const {
+  CheckWithin(match_threshold, 0.0, 1.0, "loops.match_threshold");
+  CheckWithin(nearest_ratio, 1e-3, 1.0, "loops.nearest_ratio");
+  CheckAtLeast(min_nearest, 0, "loops.min_nearest");
+  CheckAtLeast(enough_nearest, 4, "loops.enough_nearest");
+  CheckAtLeast(min_matches, 4, "loops.min_matches");
+  CheckAtLeast(min_inliers, 4, "loops.min_inliers");
+  CheckWithin(min_inlier_share, 0.0, 1.0, "loops.min_inlier_share");
+  CheckAtLeast(min_fields, 1, "loops.min_fields");
+  CheckPositive(max_disagreement, "loops.max_disagreement");
+  pnp.Validate();
+}
+
+LoopCheck VerifyLoopByNearest(const StereoRig& rig, const LoopKeyframe& query,
+                              const LoopKeyframe& candidate,
+                              const LoopVerificationOptions& options) {
+  LoopVerificationOptions strict = options;
+  strict.min_matches = std::max(options.min_matches, options.enough_nearest);
+  strict.min_inliers = std::max(options.min_inliers, options.enough_nearest);
+  const nn::NearestNeighborOptions nearest = {.max_ratio = options.nearest_ratio};
+  return CheckMatches(rig, query, candidate,
+                      nn::MatchNearestNeighbors(candidate.features, query.features, nearest),
+                      strict);
+}
+
+LoopCheck VerifyLoop(const StereoRig& rig, const LoopKeyframe& query, const LoopKeyframe& candidate,
+                     Matcher& matcher, const LoopVerificationOptions& options) {
+  return CheckMatches(rig, query, candidate,
+                      matcher.Match(candidate.features, query.features, options.match_threshold),
+                      options);
 }
 
 }  // namespace gluevo::vo

@@ -275,6 +275,10 @@ PlaceMap ParsePlaceMap(const void* bytes, std::size_t size, const std::string& s
 }
 
 PlaceMap ReadPlaceMap(const std::filesystem::path& path) {
+  if (std::error_code code; std::filesystem::is_directory(path, code)) {
+    throw Error(path.string() +
+                ": is a folder, expected a map, a file that gluevo run --save-map has written");
+  }
   const std::string bytes = ReadWholeFile(path);
   return ParsePlaceMap(bytes.data(), bytes.size(), path.string());
 }

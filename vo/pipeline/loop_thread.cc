@@ -3,14 +3,13 @@
 #include <sys/resource.h>
 
 #include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <exception>
 #include <mutex>
 #include <optional>
 #include <thread>
 #include <utility>
 
+#include "gluevo/vo/core/bounded_queue.h"
 #include "gluevo/vo/core/stopwatch.h"
 
 namespace gluevo::vo {
@@ -59,33 +58,21 @@ class LoopThread::State {
         const LoopThreadOptions& options)
       : recorder_(recorder),
         memo_(std::move(memo)),
-        options_(options),
+        waits_(options.waits),
+        items_(options.max_frames, WeightOf),
         thread_([this] { Run(); }) {}
   ~State() { Close(); }
 
   bool Add(const StereoFrame& frame, const FrameResult& result, const StereoRig& rig) {
     Item item{{frame.timestamp_ns, {}}, result, rig, {}};
     item.result.tracked_frame = {};
-    const bool may_be_kept = LoopRecorder::MayKeep(result);
-    if (may_be_kept) {
+    if (LoopRecorder::MayKeep(result)) {
       item.known = FeaturesKnownOf(memo_.get(), frame, result);
+      if (waits_ || items_.has_room()) {
+        item.frame = frame;
+      }
     }
-    std::unique_lock lock(mutex_);
-    if (may_be_kept && options_.waits) {
-      has_room_.wait(lock,
-                     [&] { return failure_ != nullptr || with_images_ < options_.max_frames; });
-    }
-    if (may_be_kept && with_images_ < options_.max_frames && !frame.images[0].empty()) {
-      item.frame = frame;
-      ++with_images_;
-    }
-    if (failure_ != nullptr) {
-      return false;
-    }
-    items_.push_back(std::move(item));
-    lock.unlock();
-    has_items_.notify_one();
-    return true;
+    return items_.Push(std::move(item));
   }
 
   void Look(const std::function<void(const LoopRecorder&)>& look) const {
@@ -96,12 +83,7 @@ class LoopThread::State {
   std::size_t loops() const { return loops_; }
 
   void PassOverWaiting() {
-    const std::lock_guard lock(mutex_);
-    for (Item& item : items_) {
-      item.frame.images = {};
-    }
-    with_images_ = 0;
-    has_room_.notify_one();
+    items_.ForEach([](Item& item) { item.frame.images = {}; });
   }
 
   std::vector<double> Finish() {
@@ -120,12 +102,11 @@ class LoopThread::State {
     KnownFeatures known;
   };
 
+  // Images are what takes memory.
+  static std::size_t WeightOf(const Item& item) { return item.frame.images[0].empty() ? 0 : 1; }
+
   void Close() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_closed_ = true;
-    }
-    has_items_.notify_one();
+    items_.Close();
     if (thread_.joinable()) {
       thread_.join();
     }
@@ -133,49 +114,28 @@ class LoopThread::State {
 
   void Run() {
     GoBehindOthers();
-    while (std::optional<Item> item = Next()) {
-      try {
+    try {
+      while (std::optional<Item> item = items_.Pop()) {
         Stopwatch watch;
         const std::lock_guard lock(recorder_mutex_);
         recorder_.Add(item->frame, item->result, item->rig, std::move(item->known));
         loops_ = recorder_.closer().loops().size();
         took_ms_.push_back(watch.Lap());
-      } catch (...) {
-        const std::lock_guard lock(mutex_);
-        failure_ = std::current_exception();
-        items_.clear();
-        has_room_.notify_all();
-        return;
       }
+    } catch (...) {
+      failure_ = std::current_exception();
+      items_.Close();
     }
-  }
-
-  std::optional<Item> Next() {
-    std::unique_lock lock(mutex_);
-    has_items_.wait(lock, [&] { return is_closed_ || !items_.empty(); });
-    if (items_.empty()) {
-      return std::nullopt;
-    }
-    std::optional<Item> item = std::move(items_.front());
-    items_.pop_front();
-    with_images_ -= item->frame.images[0].empty() ? 0 : 1;
-    lock.unlock();
-    has_room_.notify_one();
-    return item;
   }
 
   LoopRecorder& recorder_;
   const std::shared_ptr<const ExtractorMemo> memo_;
-  const LoopThreadOptions options_;
+  const bool waits_;
   mutable std::mutex recorder_mutex_;  // Of the recorder.
   std::atomic<std::size_t> loops_ = 0;
-  std::vector<double> took_ms_;  // The thread's.
-  std::mutex mutex_;             // Of what follows.
-  std::condition_variable has_items_, has_room_;
-  std::deque<Item> items_;
-  std::size_t with_images_ = 0;  // Of them.
-  bool is_closed_ = false;
+  std::vector<double> took_ms_;  // The thread's, as the next.
   std::exception_ptr failure_;
+  BoundedQueue<Item> items_;
   std::jthread thread_;  // Last: it uses the others.
 };
 

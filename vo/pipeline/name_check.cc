@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 
 namespace gluevo::vo {
 
@@ -15,7 +15,7 @@ void CheckName(const std::string& value, std::initializer_list<const char*> expe
   for (const char* const name : expected) {
     names += (names.empty() ? "" : ", ") + std::string(name);
   }
-  throw Error("option " + option + " is " + Quoted(value) + "; expected one of " + names);
+  throw OptionError("option " + option + " is " + Quoted(value) + "; expected one of " + names);
 }
 
 }  // namespace gluevo::vo

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/nn/weights.h"
 #include "gluevo/vo/frontend/network_matcher.h"
 #include "gluevo/vo/pipeline/network_files.h"
@@ -39,8 +40,8 @@ void CheckFilesAreRead(const NetworkFiles& files, const std::string& features,
   const auto refuse = [](const fs::path& file, const std::string& network, const char* option,
                          const std::string& chosen) {
     if (!file.empty()) {
-      throw Error(file.string() + ": weights of --" + network + ", which --" + option + " " +
-                  chosen + " does not run: expected --" + option + " " + network);
+      throw OptionError(file.string() + ": weights of --" + network + ", which --" + option + " " +
+                        chosen + " does not run: expected --" + option + " " + network);
     }
   };
   if (features == "aliked") {
@@ -131,7 +132,7 @@ void CheckNetworkNames(const std::string& features, const std::string& matcher) 
     CheckName(matcher, {"superglue", "lightglue", "nn"}, "matcher");
   }
   if (features == "aliked" && matcher == "superglue") {
-    throw Error(
+    throw OptionError(
         "option matcher is \"superglue\", which matches SuperPoint's descriptors: for features "
         "\"aliked\" expected lightglue or nn");
   }

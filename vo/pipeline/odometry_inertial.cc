@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/option_error.h"
 #include "gluevo/vo/estimator/sliding_window.h"
 #include "gluevo/vo/geometry/eigen_solvers.h"
 #include "gluevo/vo/geometry/projection.h"
@@ -19,8 +20,8 @@ constexpr int kMostContradictions = 3;
 
 void Odometry::UseImu(const ImuNoise& noise) {
   if (options_.window.solver != "gluevo") {
-    throw Error("option window.solver is " + Quoted(options_.window.solver) +
-                "; expected gluevo where an inertial unit is used");
+    throw OptionError("option window.solver (--solver) is " + Quoted(options_.window.solver) +
+                      "; expected gluevo where an inertial unit is used");
   }
   navigation_ = std::make_unique<InertialNavigation>(noise, options_.inertial);
 }

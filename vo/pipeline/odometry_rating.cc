@@ -17,8 +17,7 @@ void Odometry::Rate(bool is_linked, FrameResult& result) {
   } else {
     RateByMotionBefore(result);
   }
-  if (options_.window.right_turn_sigma_mrad > 0.0) {
-    const StereoCalibration& calibration = window_->calibration();
+  if (const StereoCalibration& calibration = window_->calibration(); calibration.is_known) {
     result.stereo_calibration = {calibration.turn, calibration.turn_sigma, calibration.is_off,
                                  calibration.correction.bend == 1.0, rig_.cameras[1].fx};
   }

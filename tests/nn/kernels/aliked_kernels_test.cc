@@ -268,14 +268,17 @@ TEST(ScoreRowTest, AgreesWithTheReference) {
   for (const int64_t channels : {1, 4, 8, 13, 16}) {
     const int64_t width = CoarseMaps::kWidth;
     const int64_t plane_stride = width + 5;
-    const Tensor<float> row = Random(width * kBlock);
+    const Tensor<float> row = Random(width * ScoreStride(channels));
+    Tensor<float> scratch(
+        {ScoreScratchFloats(coarse.maps[0].width, coarse.maps[1].width, coarse.maps[2].width)});
     const auto run = [&](const OpenKernels& kernels, int64_t y) {
       Tensor<float> out = Filled(channels * plane_stride, kGuard);
       ScoreRow p = {.row = row.data(),
                     .width = width,
                     .channels = channels,
                     .out = out.data(),
-                    .plane_stride = plane_stride};
+                    .plane_stride = plane_stride,
+                    .scratch = scratch.data()};
       for (int i = 0; i < 3; ++i) {
         p.maps[i] = coarse.maps[i];
         p.tap_y[i] = coarse.taps_y[i][static_cast<std::size_t>(y)];

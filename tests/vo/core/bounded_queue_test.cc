@@ -39,6 +39,22 @@ TEST(BoundedQueueTest, WhoDoesNotWaitDropsTheOldest) {
   EXPECT_EQ(queue.TryPop(), std::nullopt);
 }
 
+TEST(BoundedQueueTest, HoldsNoMoreThanItsCapacityOfWeight) {
+  BoundedQueue<int> queue(2, [](const int& item) { return static_cast<std::size_t>(item); });
+  for (const int item : {0, 1, 0, 1}) {  // None waits.
+    EXPECT_TRUE(queue.has_room());
+    EXPECT_TRUE(queue.Push(item));
+  }
+  EXPECT_FALSE(queue.has_room());
+  EXPECT_TRUE(queue.Push(0));  // What weighs nothing does not wait.
+  bool is_taken = false;
+  std::jthread pusher([&] { is_taken = queue.Push(1); });
+  queue.ForEach([](int& item) { item = 0; });  // Makes room.
+  pusher.join();
+  EXPECT_TRUE(is_taken);
+  EXPECT_TRUE(queue.has_room());
+}
+
 TEST(BoundedQueueTest, ClosedItTakesNothingAndGivesWhatItHas) {
   BoundedQueue<int> queue(3);
   EXPECT_TRUE(queue.Push(1));

@@ -24,6 +24,7 @@ Rigid3 ForwardPose(int frame) {
 struct Outcome {
   StereoCalibrationEstimate calibration;
   double scale = 0.0;  // Of the path: estimate over truth.
+  std::vector<FrameResult> frames;
 };
 
 // `right_is_seen_at`: where the right camera sees what one as calibrated sees at a point.
@@ -49,13 +50,13 @@ Outcome Drive(double sigma_mrad, RightIsSeenAt right_is_seen_at) {
   OdometryOptions options;
   options.window.right_turn_sigma_mrad = sigma_mrad;
   Odometry odometry(rig, std::make_unique<testing::ScriptedFrontEnd>(frames), options);
-  FrameResult newest;
+  std::vector<FrameResult> results;
   for (const TrackedFrame& frame : frames) {
-    newest = odometry.Process({frame.timestamp_ns, {}});
+    results.push_back(odometry.Process({frame.timestamp_ns, {}}));
   }
   const Rigid3 truth = ForwardPose(0).Inverse() * ForwardPose(kFrames - 1);
-  return {newest.stereo_calibration.value(),
-          newest.world_from_body.translation.norm() / truth.translation.norm()};
+  const double scale = results.back().world_from_body.translation.norm() / truth.translation.norm();
+  return {results.back().stereo_calibration.value_or(StereoCalibrationEstimate()), scale, results};
 }
 
 Eigen::Vector2d Turned(const Eigen::Vector3d& turn, const Eigen::Vector2d& seen) {
@@ -81,6 +82,23 @@ TEST(StereoCalibration, ATurnedCameraIsFound) {
     }
     // The turn's standard deviation, 0.01 pixels, beside disparities of 5 and more.
     EXPECT_NEAR(found.scale, 1.0, 3e-3);
+  }
+}
+
+// By few frames noise and what lenses add may ask for anything.
+TEST(StereoCalibration, NothingIsSaidOrMadeUpForBeforeFramesEnoughAreSeen) {
+  constexpr std::size_t kFewest = 5;
+  const auto turned = [](const Eigen::Vector2d& seen) { return Turned({0, 1e-3, 0}, seen); };
+  const std::vector<FrameResult> with = Drive(0.5, turned).frames;
+  const std::vector<FrameResult> without = Drive(0.0, turned).frames;
+  for (std::size_t i = 0; i < with.size(); ++i) {
+    EXPECT_FALSE(without[i].stereo_calibration);
+    ASSERT_EQ(with[i].stereo_calibration.has_value(), i + 1 >= kFewest) << i;
+    if (i + 1 < kFewest) {
+      EXPECT_EQ(with[i].world_from_body.translation, without[i].world_from_body.translation) << i;
+    } else {
+      EXPECT_TRUE((with[i].stereo_calibration->turn_sigma.array() > 0.0).all()) << i;
+    }
   }
 }
 

@@ -188,6 +188,15 @@ TEST_F(DatasetTest, ReadsEuroc) {
   }
 }
 
+TEST_F(DatasetTest, KittiTakesNoReadingsOfAnInertialUnit) {
+  DatasetOptions options;
+  options.imu = "readings.csv";
+  const std::string odometry = ErrorOf(MakeKittiOdometry(), options);
+  ExpectContains(odometry, {"has no inertial unit", "expected no --imu FILE"});
+  EXPECT_EQ(odometry.find("oxts"), std::string::npos) << odometry;
+  ExpectContains(ErrorOf(MakeKittiRaw(), options), {"has its own inertial readings (oxts)"});
+}
+
 TEST_F(DatasetTest, ChoosesFrames) {
   const fs::path root = MakeEuroc();
   const auto times = [&](int start, int count, int stride) {
@@ -209,7 +218,7 @@ TEST_F(DatasetTest, ChoosesFrames) {
   EXPECT_EQ(times(3, 9, 2), (std::vector<int64_t>{400}));
   DatasetOptions options;
   options.start = 4;
-  ExpectContains(ErrorOf(root, options), {"first frame 4", "beyond the last, 3", "--start"});
+  ExpectContains(ErrorOf(root, options), {"first frame 4", "at most 3", "--start"});
   options = {.start = -1};
   ExpectContains(ErrorOf(root, options), {"--start"});
   options = {.start = 0, .count = 0};

@@ -16,6 +16,7 @@ class BendEvidence {
 
   /// Half the sums of squares of one window, in standard deviations, in the order of kBends.
   void Add(const std::array<double, 2>& costs);
+  bool has_begun() const { return windows_ > 0; }
   /// Enough windows to leave it at that.
   bool is_complete() const { return windows_ == kWindows; }
   /// 1 until the views of all windows together surely ask for more, then 0.

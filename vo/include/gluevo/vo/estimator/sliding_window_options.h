@@ -19,7 +19,7 @@ struct SlidingWindowOptions {
   /// Limit of the solver. By count and never by time, so that results repeat.
   int max_iterations = 8;
   /// An iteration that lowers the cost by less than this share of it is the last.
-  double least_decrease = 1e-6;
+  double least_decrease = 1e-3;
   /// What solves: "gluevo", or "ceres" for comparison, which is several times slower.
   std::string solver = "gluevo";
   /// Landmarks with a larger mean reprojection error (both cameras, pixels of kReferenceFocalPx)

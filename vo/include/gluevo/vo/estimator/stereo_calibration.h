@@ -13,6 +13,8 @@ struct StereoCalibration {
   /// What is made up for: nothing until the calibration is surely off.
   StereoCorrection correction;
   bool is_off = false;
+  /// Frames enough have been seen: what is below is an estimate.
+  bool is_known = false;
   /// What views ask for as the correction's turn, made up for or not, radians.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   /// Of `turn`, one standard deviation on each axis as residuals have it, radians.

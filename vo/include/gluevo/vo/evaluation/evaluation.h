@@ -84,6 +84,8 @@ struct Evaluation {
   double rpe_translation_percent = 0.0;
   double rpe_rotation_deg_per_m = 0.0;
   std::vector<double> rpe_lengths_m;  ///< The lengths that have at least one sub-path.
+  double path_m = 0.0;                ///< Along the ground truth, from associated pose to pose.
+  double shortest_path_m = 0.0;       ///< A path has to be longer to hold a sub-path.
   /// Relative pose error over the options' number of frames (Sturm et al. 2012): RMSE of the
   /// motions' translation, metres, and rotation, degrees, and the median of the translation, which
   /// a few wrong motions do not touch; NaN where there are fewer frames.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,10 @@ struct LoopOptions {
   double min_similarity = 0.1;
   /// ... at least this share of what the query's neighbour in time is.
   double min_similarity_share = 0.4;
-  /// So many are verified, the most similar first, until one is believed; where tracking was lost,
-  /// the key frame before that, too.
+  /// So many, the most similar first, are compared by nearest neighbours, until one is believed.
+  int max_compared = 10;
+  /// Of the others so many are verified by the network, those with most neighbours first; where
+  /// tracking was lost, the key frame before that, too.
   int max_candidates = 3;
   LoopVerificationOptions verification;
   LoopConsistencyOptions consistency;
@@ -96,7 +99,12 @@ class LoopCloser {
   /// How many key frames, the oldest, the newest one may come back to.
   std::size_t CountOldEnough() const;
   std::vector<PlaceIndex::Similar> FindCandidates() const;
+  /// The key frame before the newest one where tracking was lost, or nearly so, between the two:
+  /// that is then the likeliest place, whatever it looks like.
+  std::optional<std::size_t> LastBeforeLoss() const;
   void Verify(const std::vector<PlaceIndex::Similar>& candidates);
+  /// Keeps what became of it. Returns whether it is believed.
+  bool Note(const PlaceIndex::Similar& candidate, const LoopCheck& check);
   void Trust(const Loop& loop, std::size_t attempt);
 
   StereoRig rig_;

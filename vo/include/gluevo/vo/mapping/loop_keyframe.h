@@ -46,9 +46,14 @@ struct LoopKeyframe {
   std::vector<StereoKeypoint> keypoints;                      ///< One a feature.
 };
 
-/// The keypoints of the left image with the depths that `stereo`, matches to the right image's
-/// keypoints, tell. Matches farther than `max_epipolar_error_px` from their epipolar lines, and
-/// points less than a pixel of kReferenceFocalPx nearer than infinity, have no depth.
+/// The keypoints of the left image with the depths that their places in the right image tell:
+/// `right_pixels`, one each, NaN where there is none. Those farther than `max_epipolar_error_px`
+/// from their epipolar lines, and points less than a pixel of kReferenceFocalPx nearer than
+/// infinity, have no depth.
+std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Features& left,
+                                            const std::vector<Eigen::Vector2d>& right_pixels,
+                                            double max_epipolar_error_px);
+/// The same by matches to the right image's keypoints.
 std::vector<StereoKeypoint> LocateKeypoints(const StereoRig& rig, const nn::Features& left,
                                             const nn::Features& right, const nn::Matches& stereo,
                                             double max_epipolar_error_px);

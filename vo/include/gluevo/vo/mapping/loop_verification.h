@@ -14,6 +14,13 @@ namespace gluevo::vo {
 
 struct LoopVerificationOptions {
   float match_threshold = 0.2F;  ///< Confidence of a match, 0 to 1.
+  /// Nearest neighbours by descriptor are compared first, of which the next is so much farther away
+  /// (Lowe's ratio, 2004): a twentieth of the network's cost.
+  float nearest_ratio = 0.9F;
+  /// Where they are fewer the two do not show the same, and the network is not asked ...
+  int min_nearest = 15;
+  /// ... nor where so many of them fit a pose: from nearly the same place they see enough.
+  int enough_nearest = 60;
   int min_matches = 30;
   int min_inliers = 25;
   /// Of the matched points that have a depth, 0 to 1.
@@ -43,6 +50,11 @@ struct LoopCheck {
   int matches = 0;
   int inliers = 0;
 };
+
+/// As VerifyLoop, but matched by descriptor alone: finds what is seen from nearly the same place.
+LoopCheck VerifyLoopByNearest(const StereoRig& rig, const LoopKeyframe& query,
+                              const LoopKeyframe& candidate,
+                              const LoopVerificationOptions& options);
 
 /// Whether the two see the same place: matched by the network, located by the candidate's points,
 /// and the candidate by the query's with the same result.
