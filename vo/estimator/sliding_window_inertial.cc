@@ -63,6 +63,12 @@ void SlidingWindow::StartInertia(const InertialStart& start, const ImuReadings& 
     }
     // A guess; what is measured tells.
     const Frame& before = frames_[i > 0 ? i - 1 : 0];
+    // Views alone do not tell rest from constant velocity.
+    if (frame.still && start.rest_begin_ns && before.timestamp_ns >= *start.rest_begin_ns) {
+      frame.still->weight = views_noise_.Factor();
+    } else {
+      frame.still.reset();
+    }
     const Frame& after = frames_[i > 0 ? i : std::min<std::size_t>(1, frames_.size() - 1)];
     const auto duration_s = SecondsBetween(before.timestamp_ns, after.timestamp_ns);
     if (duration_s > 0.0) {
@@ -101,12 +107,11 @@ void SlidingWindow::StopInertia() {
   for (Frame& frame : frames_) {
     frame.motion = {};
     frame.measured.reset();
-    frame.still.reset();
   }
 }
 
 void SlidingWindow::HoldStill(const StillFactor& still) {
-  if (has_inertia() && frames_.size() > 1) {
+  if (frames_.size() > 1) {
     frames_.back().still = still;
     frames_.back().still->weight = views_noise_.Factor();
   }
@@ -136,10 +141,10 @@ bool SlidingWindow::IsTimeOffsetFar(const Preintegration& measured) const {
 }
 
 void SlidingWindow::JoinAcross(std::size_t index) {
+  Frame& after = frames_[index + 1];
+  const std::optional<StillFactor>& before = frames_[index].still;
+  after.still = before && after.still ? std::optional(Join(*before, *after.still)) : std::nullopt;
   if (has_inertia()) {
-    Frame& after = frames_[index + 1];
-    const std::optional<StillFactor>& before = frames_[index].still;
-    after.still = before && after.still ? std::optional(Join(*before, *after.still)) : std::nullopt;
     after.measured = FactorOf(Join(frames_[index].measured->measured, after.measured->measured));
   }
 }

@@ -75,7 +75,8 @@ std::optional<ImuRest> FindRest(const std::vector<ImuSample>& samples, int64_t e
     return std::nullopt;
   }
   const double root = std::sqrt(static_cast<double>(blocks));
-  return ImuRest{mean.head<3>(), mean.tail<3>(), rate_deviation / root, force_deviation / root};
+  return ImuRest{mean.head<3>(), mean.tail<3>(), rate_deviation / root, force_deviation / root,
+                 end_ns - blocks * block_ns};
 }
 
 InertialStart StartAtRest(const ImuRest& rest, const Rigid3& world_from_body,
@@ -92,6 +93,7 @@ InertialStart StartAtRest(const ImuRest& rest, const Rigid3& world_from_body,
   const Eigen::Vector3d up = rest.specific_force.normalized();
   start.gravity_in_world = -options.gravity * (world_from_body.rotation * up);
   start.velocities_in_world = {Eigen::Vector3d::Zero()};
+  start.rest_begin_ns = rest.begin_ns;
   start.bias.gyroscope = rest.angular_velocity;
   start.bias.accelerometer = (start.free_gravity - options.gravity) * up;
   // A tilt and a bias that is level make up for each other; upright the length tells.

@@ -80,6 +80,7 @@ void InertialNavigation::WatchClock(const StampedPose& world_from_body, bool has
 void InertialNavigation::Restart() {
   clock_.Break();
   still_views_.Clear();
+  is_resting_ = true;
   frames_.clear();
   why_waiting_ = "no frames";
 }
@@ -113,7 +114,6 @@ std::optional<InertialStart> InertialNavigation::Try(const StampedPose& world_fr
     }
     why_waiting_.clear();
     frames_.clear();
-    is_resting_ = is_at_rest;
   }
   return start;
 }

@@ -4,7 +4,7 @@
 #include "gluevo/vo/core/seconds.h"
 #include "gluevo/vo/pipeline/inertial_navigation.h"
 
-// Once the unit runs: where readings and views both show that the body stands still, it does.
+// Where readings and views both show that the body stands still, it does.
 namespace gluevo::vo {
 
 bool InertialNavigation::IsRestByReadings(int64_t now_ns, const InertialState& state,
@@ -21,16 +21,19 @@ bool InertialNavigation::IsRestByReadings(int64_t now_ns, const InertialState& s
          (rest->specific_force - force).norm() < options_.rest.largest_force_deviation;
 }
 
-std::optional<StillFactor> InertialNavigation::Stillness(const TrackedFrame& frame,
-                                                         int64_t before_ns,
-                                                         const InertialState& before,
-                                                         const Eigen::Vector3d& gravity_in_world) {
-  // What a body that stands does move, from frame to frame, and how fast.
-  constexpr StillFactor kStanding = {1e-5, 1e-5, 5e-4};
-  is_resting_ = IsRestByReadings(frame.timestamp_ns, before, gravity_in_world);
+bool InertialNavigation::WatchRest(int64_t now_ns, const InertialState& before,
+                                   const Eigen::Vector3d& gravity_in_world) {
+  is_resting_ = IsRestByReadings(now_ns, before, gravity_in_world);
   if (!is_resting_) {
     still_views_.Clear();
   }
+  return is_resting_;
+}
+
+std::optional<StillFactor> InertialNavigation::Stillness(const TrackedFrame& frame,
+                                                         int64_t before_ns) {
+  // What a body that stands does move, from frame to frame, and how fast.
+  constexpr StillFactor kStanding = {1e-5, 1e-5, 5e-4};
   if (!still_views_.has_begun()) {
     return std::nullopt;
   }

@@ -128,11 +128,12 @@ std::optional<Odometry::FramePose> Odometry::Bridge(const TrackedFrame& frame) c
 }
 
 std::optional<StillFactor> Odometry::Stillness(const TrackedFrame& frame) {
-  if (!window_->has_inertia()) {
+  if (!navigation_ || !history_.last() ||
+      (window_->has_inertia() && !navigation_->WatchRest(frame.timestamp_ns, window_->state(),
+                                                         window_->gravity_in_world()))) {
     return std::nullopt;
   }
-  return navigation_->Stillness(frame, history_.last()->timestamp_ns, window_->state(),
-                                window_->gravity_in_world());
+  return navigation_->Stillness(frame, history_.last()->timestamp_ns);
 }
 
 void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
@@ -157,7 +158,7 @@ void Odometry::FollowInertia(bool is_linked, FrameResult& result) {
     window_->StartInertia(*start, navigation_->readings());
     window_->Optimize();
   }
-  if (window_->has_inertia() && navigation_->WantsViews()) {
+  if (navigation_->WantsViews()) {
     navigation_->WatchViews(result.tracked_frame, window_->MapPoints(),
                             (window_->world_from_body() * rig_.body_from_cam[0]).Inverse());
   }

@@ -107,8 +107,9 @@ class SlidingWindow {
   /// The readings count no more; what they said of poses that left the window stays.
   void StopInertia();
   bool has_inertia() const { return readings_ != nullptr; }
-  /// The body stood still since the frame before the newest, as views and readings show; the
-  /// factor's weight does not matter. Nothing happens where the readings do not count.
+  /// The body stood still since the frame before the newest, as the views show and, once they
+  /// count, the readings; the factor's weight does not matter. It counts from StartInertia() on,
+  /// where that is from rest.
   void HoldStill(const StillFactor& still);
   /// The newest frame's, and gravity, with an inertial unit.
   InertialState state() const;

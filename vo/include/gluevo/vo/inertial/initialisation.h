@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,7 @@ struct InertialStart {
   ImuBias bias;
   Eigen::Vector3d gravity_in_world = Eigen::Vector3d::Zero();  ///< m/s^2, downwards.
   std::vector<Eigen::Vector3d> velocities_in_world;            ///< m/s, one a frame.
+  std::optional<int64_t> rest_begin_ns;                        ///< Nothing in motion.
 
   /// On top of that of the samples, and its standard deviation; zeros where it is not estimated.
   double time_offset_s = 0.0;

@@ -30,6 +30,7 @@ struct ImuRest {
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();    ///< Mean, m/s^2.
   double rate_sigma = 0.0;   ///< Of the mean, the axis that is known least.
   double force_sigma = 0.0;  ///< Likewise.
+  int64_t begin_ns = 0;
 };
 
 /// Whether the body was at rest until `end_ns`. A constant turn looks like a bias: nothing unless

@@ -61,13 +61,14 @@ class InertialNavigation {
   void Forget() { kept_.reset(); }
   /// The frames before have nothing to do with those that come: it has to start again.
   void Restart();
-  /// Once it has started: that the body stood still between the located frame before, with its
-  /// state, and `frame`, where the readings of half a second and the views since then show no
-  /// motion. What a motion may be that they do not show is the factor's sigmas'.
-  std::optional<StillFactor> Stillness(const TrackedFrame& frame, int64_t before_ns,
-                                       const InertialState& before,
-                                       const Eigen::Vector3d& gravity_in_world);
-  /// Whether the readings show rest from the newest frame on, so that its views are asked for.
+  /// Once it has started: whether readings of half a second, with the state of the located frame
+  /// before, show rest. Where they do not, views are compared no more.
+  bool WatchRest(int64_t now_ns, const InertialState& before,
+                 const Eigen::Vector3d& gravity_in_world);
+  /// That the body stood still between the located frame before and `frame`, where the views show
+  /// no motion. What a motion may be that they do not show is the factor's sigmas'.
+  std::optional<StillFactor> Stillness(const TrackedFrame& frame, int64_t before_ns);
+  /// Whether it may be at rest from the newest frame on, so that its views are asked for.
   bool WantsViews() const { return is_resting_ && !still_views_.has_begun(); }
   /// The same frame, with what the map has learnt from it, is what later ones are compared with.
   void WatchViews(const TrackedFrame& frame, const std::vector<MapPoint>& points,
@@ -130,8 +131,8 @@ class InertialNavigation {
   int64_t tried_ns_ = 0;
   Sensor gyroscope_, accelerometer_;
   ClockWatch clock_;
-  bool is_resting_ = false;  // By the readings up to the newest frame.
-  StillViews still_views_;   // Since the readings have shown rest.
+  bool is_resting_ = true;  // By the readings up to the newest frame, once it has started.
+  StillViews still_views_;
   std::optional<InertialBegin> begin_;
   std::string why_waiting_ = "no frames";
 };

@@ -117,7 +117,7 @@ class Odometry {
   /// Of a frame that is located, or not: where one pose after the other contradicts the inertial
   /// unit, that has to start again.
   void HeedContradictions(bool is_located, const FrameResult& result);
-  /// That the body stood still since the frame before; nothing without a unit that runs.
+  /// That the body stood still since the frame before; nothing without a unit.
   std::optional<StillFactor> Stillness(const TrackedFrame& frame);
   /// Starts the inertial unit where it may, and says what is known of it.
   void FollowInertia(bool is_linked, FrameResult& result);
