@@ -118,7 +118,7 @@ void ApplyPresetAndWarn(CLI::App& command, const std::map<std::string, bool>& gi
       ApplyPreset(command, arguments.preset, setup.dataset.format, given, arguments.config);
   const vo::FrontEndConfig& frontend = arguments.config.frontend;
   for (const std::string& warning : UnusedFrontEndOptions(
-           command, is_replay ? setup.method : frontend.method, is_replay, frontend.learned)) {
+           command, is_replay ? setup.method : frontend.method, is_replay, frontend)) {
     PrintMessage("gluevo: warning", warning);
     setup.dataset.warnings.push_back(warning);
   }

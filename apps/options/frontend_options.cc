@@ -38,8 +38,10 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
            "Confidence of a match from the previous left image; LightGlue's is 0.1")
       ->check(Share());
   tuning
-      .Add("--stereo-threshold", learned.stereo_threshold,
-           "Confidence of a match from left to right; LightGlue's is 0.1")
+      .Add(
+          "--stereo-threshold", learned.stereo_threshold,
+          "Confidence of a match from left to right with --stereo-matching network; LightGlue's is "
+          "0.1")
       ->check(Share());
   tuning
       .Add("--stereo-matching", frontend.stereo_matching,
@@ -81,8 +83,7 @@ void AddFrontEndOptions(CLI::App& command, vo::OdometryConfig& config) {
 }
 
 std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const std::string& method,
-                                               bool is_replay,
-                                               const vo::LearnedFrontEndOptions& learned) {
+                                               bool is_replay, const vo::FrontEndConfig& frontend) {
   constexpr std::array kOfSuperGlue = {
       "--tracking-threshold", "--stereo-threshold",    "--stereo-matching",
       "--min-distance",       "--min-confirmed-share", "--rematch-keyframe",
@@ -108,7 +109,13 @@ std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const st
         unused + ": not used by " +
         (is_replay ? "--replay, which takes the matches as they are" : "--method " + method));
   }
-  const bool runs_late = !is_replay && method == "superglue" && command.count(kLag) > 0;
+  const bool runs_networks = !is_replay && method == "superglue";
+  if (runs_networks && frontend.stereo_matching == "band" &&
+      command.count("--stereo-threshold") > 0) {
+    warnings.push_back("--stereo-threshold: used with --stereo-matching network only");
+  }
+  const vo::LearnedFrontEndOptions& learned = frontend.learned;
+  const bool runs_late = runs_networks && command.count(kLag) > 0;
   if (runs_late && learned.network_lag > learned.network_every) {
     const std::string lag = std::to_string(learned.network_lag);
     warnings.push_back("--superglue-lag " + lag + " is more than --superglue-every " +

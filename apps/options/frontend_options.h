@@ -17,10 +17,10 @@ void DescribeLagByClock(CLI::App& command);
 void UseLagByClock(CLI::App& command, vo::LearnedFrontEndOptions& options);
 
 /// A sentence for what was given and is without effect: options of other methods, of a front end
-/// where a replay runs none, and a lag of the networks that lets them run less often than asked
-/// for. `learned`: as the preset leaves it.
+/// where a replay runs none, the network's threshold where it does not match from left to right,
+/// and a lag of the networks that lets them run less often than asked for. `frontend`: as the
+/// preset leaves it; its method is `method`, but for a replay.
 std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const std::string& method,
-                                               bool is_replay,
-                                               const vo::LearnedFrontEndOptions& learned);
+                                               bool is_replay, const vo::FrontEndConfig& frontend);
 
 }  // namespace gluevo::apps

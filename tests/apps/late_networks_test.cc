@@ -71,6 +71,8 @@ TEST_F(LateNetworksTest, WhatIsWithoutEffectIsSaid) {
   expect_said("--superglue-lag 7 --superglue-every 2",
               "--superglue-lag 7 is more than --superglue-every 2: the networks take up a frame "
               "when they are done with the one before, 7 frames later");
+  expect_said("--stereo-threshold 0.5",
+              "--stereo-threshold: used with --stereo-matching network only");
   const Outcome quiet = Run(run + "--superglue-lag 2 --save-matches " + Path("m.h5"));
   EXPECT_EQ(quiet.error.find("warning: --superglue-lag"), std::string::npos) << quiet.error;
   expect_said("--superglue-lag 7 --replay " + Path("m.h5"),

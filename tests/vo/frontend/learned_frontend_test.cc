@@ -178,5 +178,32 @@ TEST(LearnedFrontEndTest, RefusesImagesOfAnotherSizeAndBadOptions) {
   EXPECT_THROW((LearnedFrontEndOptions{.min_distance_px = -1.0}).Validate(), Error);
 }
 
+TEST(LearnedFrontEndTest, InTheBandTheNearestDescriptorOnTheEpipolarLineIsTheRightView) {
+  // The left point's very own descriptor is in the right image, but off its line; what is on it
+  // is less alike.
+  nn::Features left = Named({{1, 30, 24}});
+  nn::Features right = Named({{2, 26, 40}, {3, 26, 24}});
+  left.descriptors.resize(1, 2);
+  left.descriptors << 1, 0;
+  right.descriptors.resize(2, 2);
+  right.descriptors << 1, 0, 0.8F, 0.6F;
+  LearnedFrontEndOptions options;
+  options.refine = false;
+  for (const bool in_band : {false, true}) {
+    SCOPED_TRACE(in_band);
+    options.stereo_in_band = in_band;
+    LearnedFrontEnd frontend(
+        RectifiedRig(), std::make_unique<ScriptedExtractor>(std::deque<nn::Features>{left, right}),
+        std::make_unique<NoMatcher>(), nullptr, options);
+    const TrackedFrame frame = frontend.Track(Frame(1));
+    ASSERT_EQ(frame.observations.size(), 1U);
+    EXPECT_EQ(frame.observations[0].has_right, in_band);
+    if (in_band) {
+      EXPECT_EQ(frame.observations[0].right_pixel, Eigen::Vector2d(26, 24));
+      EXPECT_FLOAT_EQ(frame.observations[0].stereo_confidence, 0.8F);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gluevo::vo
