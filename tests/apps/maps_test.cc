@@ -37,7 +37,7 @@ class MapsTest : public CommandTest {
     std::ifstream file(fs::path(folder) / "metrics.json");
     return nlohmann::json::parse(file);
   }
-  /// The rows of a table, by their fields; none may hold a comma here.
+  /// The rows of a table, by their fields.
   static std::vector<std::vector<std::string>> Rows(const std::string& folder) {
     std::ifstream file(fs::path(folder) / "localization.csv");
     std::vector<std::vector<std::string>> rows;
@@ -46,8 +46,11 @@ class MapsTest : public CommandTest {
         continue;
       }
       std::vector<std::string> fields(1);
+      bool is_quoted = false;
       for (const char c : line) {
-        if (c == ',') {
+        if (c == '"') {
+          is_quoted = !is_quoted;
+        } else if (c == ',' && !is_quoted) {
           fields.emplace_back();
         } else {
           fields.back() += c;
@@ -121,7 +124,7 @@ TEST_F(MapsTest, ImagesWithoutADataSetAreFoundToo) {
   const auto rows = Rows(Path("out"));
   ASSERT_EQ(rows.size(), 4U);
   EXPECT_EQ(rows[1][2], "left out");
-  EXPECT_EQ(rows[1].size(), 19U);
+  EXPECT_EQ(rows[1].size(), rows[0].size());
 }
 
 TEST_F(MapsTest, AnotherPlaceIsNotFound) {

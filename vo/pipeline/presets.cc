@@ -40,6 +40,9 @@ void ApplyNetworks(const std::string& method, const std::string& features,
     config.learned.stereo_threshold = config.learned.tracking_threshold;
     // ALIKED's keypoints are refined by their neighbours' scores.
     config.refine = features == "aliked" ? "none" : "lk";
+    // EuRoC's key frames: ALIKED's nearest descriptors lose a motion more than LightGlue does,
+    // SuperPoint's none.
+    config.stereo_matching = features == "aliked" ? "network" : "band";
   }
 }
 

@@ -42,6 +42,7 @@ TEST(Presets, FollowFeaturesAndMatcher) {
   EXPECT_EQ(superpoint.keypoints.keypoint_threshold, 0.005F);
   EXPECT_EQ(superpoint.learned.tracking_threshold, 0.2F);
   EXPECT_EQ(superpoint.refine, "lk");
+  EXPECT_EQ(superpoint.stereo_matching, "band");
   const FrontEndConfig aliked = PresetConfig("driving", "superglue", "aliked").frontend;
   EXPECT_EQ(aliked.features, "aliked");
   EXPECT_EQ(aliked.matcher, "lightglue");
@@ -50,6 +51,7 @@ TEST(Presets, FollowFeaturesAndMatcher) {
   EXPECT_EQ(aliked.learned.tracking_threshold, 0.1F);
   EXPECT_EQ(aliked.learned.stereo_threshold, 0.1F);
   EXPECT_EQ(aliked.refine, "none");
+  EXPECT_EQ(aliked.stereo_matching, "network");
   EXPECT_EQ(PresetConfig("euroc", "superglue", "aliked", "nn").frontend.matcher, "nn");
   // Method 1 matches tracks, which lie anywhere.
   const FrontEndConfig tracks = PresetConfig("euroc", "superpoint", "aliked").frontend;
