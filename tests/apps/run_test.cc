@@ -290,7 +290,8 @@ TEST_F(RunTest, AFailedRunLeavesNoMatches) {
 TEST_F(RunTest, WarnsWhereMatchingYieldsNextToNothing) {
   const fs::path root = MakeKitti();
   const Outcome outcome = Run("run " + root.string() + " -o " + Path("out") +
-                              " --tracking-threshold 0.9999 --stereo-threshold 0.9999");
+                              " --tracking-threshold 0.9999 --stereo-matching network"
+                              " --stereo-threshold 0.9999");
   // Results are there, though nothing was tracked.
   ASSERT_EQ(outcome.exit_code, 1) << outcome.error;
   EXPECT_NE(outcome.error.find("error: nothing was tracked over 4 frames"), std::string::npos);
