@@ -24,10 +24,20 @@ bool IsImageOrWeights(const fs::path& name) {
          name.extension() == ".npz";
 }
 
+// Where a link to what is not there yet leads: what is written to it will be there.
+fs::path FollowLinks(fs::path path) {
+  constexpr int kMaxLinks = 40;  // As Linux has it.
+  std::error_code code;
+  for (int i = 0; i < kMaxLinks && fs::is_symlink(path, code); ++i) {
+    path = path.parent_path() / fs::read_symlink(path, code);
+  }
+  return path;
+}
+
 // Links followed as far as there is something: most outputs are not there yet.
 fs::path PlaceOf(const fs::path& path) {
   std::error_code code;
-  const fs::path absolute = fs::absolute(path, code);
+  const fs::path absolute = FollowLinks(fs::absolute(path, code));
   const fs::path place = fs::weakly_canonical(absolute, code);
   return code ? absolute.lexically_normal() : place;
 }

@@ -11,6 +11,7 @@
 #include "command_line/message.h"
 #include "command_line/value_checks.h"
 #include "gluevo/nn/error.h"
+#include "gluevo/nn/isa.h"
 #include "gluevo/nn/option_error.h"
 #include "gluevo/vo/frontend/network_memo.h"
 #include "gluevo/vo/pipeline/loop_thread.h"
@@ -162,6 +163,7 @@ bool NamesWeightsThatAreNot(const vo::NetworkFiles& files) {
 
 void SetUpFrontEnd(CLI::App& command, nn::ThreadPool& pool, RunArguments& arguments,
                    RunSetup& setup) {
+  nn::ChooseIsa();  // What cannot be had is said now: klt's records name it, too, at the end.
   const vo::FrontEndConfig& config = arguments.config.frontend;
   setup.method = config.method;
   setup.features = setup.method == "klt" ? "" : config.features;

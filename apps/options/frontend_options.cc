@@ -89,6 +89,7 @@ std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const st
       "--min-distance",       "--min-confirmed-share", "--rematch-keyframe",
       "--recovery-keyframes", "--superglue-every",     kLag};
   constexpr std::array kOfOthers = {"--klt-corners", "--max-ratio"};
+  constexpr std::array kOfAll = {"--refine", "--max-epipolar-error"};
   std::string unused;
   const auto name_where_given = [&](const char* option) {
     if (command.count(option) > 0) {
@@ -97,6 +98,9 @@ std::vector<std::string> UnusedFrontEndOptions(const CLI::App& command, const st
   };
   if (is_replay || method != "superglue") {
     std::for_each(kOfSuperGlue.begin(), kOfSuperGlue.end(), name_where_given);
+  }
+  if (is_replay) {
+    std::for_each(kOfAll.begin(), kOfAll.end(), name_where_given);
   }
   if (is_replay || method == "superglue") {
     std::for_each(kOfOthers.begin(), kOfOthers.end(), name_where_given);

@@ -80,8 +80,10 @@ TEST_F(DistinctOutputsTest, TwoOfOneNameAreRefused) {
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_NE(outcome.error.find(expected), std::string::npos) << outcome.error;
     EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
-    EXPECT_EQ(Files(), 3U);
+    EXPECT_EQ(Files(), 4U);
   };
+  // A link to what is not there yet is where it leads.
+  fs::create_symlink("out/metrics.json", Path("ahead"));
   const std::string same = ": two outputs of this command have this name";
   const std::string file = Path("F.h5");
   const std::string out = " -o " + Path("out");
@@ -89,6 +91,7 @@ TEST_F(DistinctOutputsTest, TwoOfOneNameAreRefused) {
                  file + same);
   for (const char* const option : {" --save-matches ", " --save-map "}) {
     expect_refused(option + Path("out/metrics.json") + out, Path("out/metrics.json") + same);
+    expect_refused(option + Path("ahead") + out, "two outputs of this command have this name");
     expect_refused(option + Path("there/report.html") + " -o " + Path("link"),
                    Path("there/report.html") + same);
     expect_refused(option + Path("map/points.ply") + out + " --map " + Path("map"),

@@ -331,6 +331,7 @@ TEST_F(RunTest, RefusesBrokenWeightsAndOptions) {
   ExpectRefused(root + " --groundtruth " + Path("none.txt"), "none.txt");
   setenv("GLUEVO_ISA", "mmx", 1);
   ExpectRefused(root, "GLUEVO_ISA=mmx");
+  ExpectRefused(root + " --method klt --loops off", "GLUEVO_ISA=mmx");
   unsetenv("GLUEVO_ISA");
 }
 
