@@ -75,8 +75,9 @@ TEST_F(LateNetworksTest, WhatIsWithoutEffectIsSaid) {
               "--stereo-threshold: used with --stereo-matching network only");
   const Outcome quiet = Run(run + "--superglue-lag 2 --save-matches " + Path("m.h5"));
   EXPECT_EQ(quiet.error.find("warning: --superglue-lag"), std::string::npos) << quiet.error;
-  expect_said("--superglue-lag 7 --refine none --replay " + Path("m.h5"),
-              "--superglue-lag, --refine: not used by --replay, which takes the matches as they are");
+  expect_said(
+      "--superglue-lag 7 --refine none --replay " + Path("m.h5"),
+      "--superglue-lag, --refine: not used by --replay, which takes the matches as they are");
 }
 
 }  // namespace

@@ -52,8 +52,9 @@ class GridExtractor final : public FeatureExtractor {
     features.scores.setOnes(kSide * kSide);
     features.descriptors.setIdentity(kSide * kSide, kSide * kSide);
     for (int i = 0; i < kSide * kSide; ++i) {
+      const int row = i / kSide;
       features.keypoints.row(i) << static_cast<float>(40 + 25 * (i % kSide) - shift),
-          static_cast<float>(20 + 21 * (i / kSide));
+          static_cast<float>(20 + 21 * row);
     }
     return features;
   }
