@@ -159,51 +159,49 @@ void AlikedNetwork::Block2(const AlikedMaps& maps, const Buffers& buffers,
   const BlockedMap& in = buffers.pooled[1];
   const BlockedMap& inner = buffers.inner[1];
   const BlockedMap& out = maps.blocks[1];
-  ForRegions(workspace.pool, in.height, in.width,
-             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
-               layers_.block2_conv1.kernel({.in = in,
-                                            .weights = layers_.block2_conv1.weights.data(),
-                                            .bias = layers_.block2_conv1.bias.data(),
-                                            .out = inner,
-                                            .row_begin = row,
-                                            .row_end = row_end,
-                                            .column_begin = column,
-                                            .column_end = column_end,
-                                            .scratch = buffers.WinogradOf(worker)});
-               SeluRegion(inner, {row, row_end, column, column_end});
-             });
-  ForRegions(workspace.pool, in.height, in.width,
-             [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
-               layers_.block2_conv2.kernel({.in = inner,
-                                            .weights = layers_.block2_conv2.weights.data(),
-                                            .bias = layers_.block2_conv2.bias.data(),
-                                            .out = out,
-                                            .row_begin = row,
-                                            .row_end = row_end,
-                                            .column_begin = column,
-                                            .column_end = column_end,
-                                            .scratch = buffers.WinogradOf(worker)});
-               for (int64_t y = row; y < row_end; ++y) {
-                 kernels::MatMul<float> shortcut =
-                     Product(layers_.block2_downsample, in.pixel(0, y, column), in.block_stride(),
-                             column_end - column);
-                 shortcut.residual = out.pixel(0, y, column);
-                 shortcut.c = out.pixel(0, y, column);
-                 shortcut.c_block_stride = out.block_stride();
-                 kernels_->matmul(shortcut);
-               }
-               SeluRegion(out, {row, row_end, column, column_end});
-               open_->average_pool({.in = out,
-                                    .size = 4,
-                                    .out = buffers.pooled[2],
-                                    .row_begin = row / 4,
-                                    .row_end = row_end / 4,
-                                    .column_begin = column / 4,
-                                    .column_end = column_end / 4});
-               for (int64_t y = row; y < row_end; ++y) {
-                 ProjectRow(1, y, column, column_end - column, maps, buffers.RowOf(worker));
-               }
-             });
+  const auto convolve = [&](const AlikedLayers::Convolution& layer, const BlockedMap& from,
+                            const BlockedMap& to, const Region& region, int worker) {
+    layer.kernel({.in = from,
+                  .weights = layer.weights.data(),
+                  .bias = layer.bias.data(),
+                  .out = to,
+                  .row_begin = region.row,
+                  .row_end = region.row_end,
+                  .column_begin = region.column,
+                  .column_end = region.column_end,
+                  .scratch = buffers.WinogradOf(worker)});
+  };
+  ForRegions(
+      workspace.pool, in.height, in.width,
+      [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
+        convolve(layers_.block2_conv1, in, inner, {row, row_end, column, column_end}, worker);
+        SeluRegion(inner, {row, row_end, column, column_end});
+      });
+  ForRegions(
+      workspace.pool, in.height, in.width,
+      [&](int64_t row, int64_t row_end, int64_t column, int64_t column_end, int worker) {
+        convolve(layers_.block2_conv2, inner, out, {row, row_end, column, column_end}, worker);
+        for (int64_t y = row; y < row_end; ++y) {
+          kernels::MatMul<float> shortcut =
+              Product(layers_.block2_downsample, in.pixel(0, y, column), in.block_stride(),
+                      column_end - column);
+          shortcut.residual = out.pixel(0, y, column);
+          shortcut.c = out.pixel(0, y, column);
+          shortcut.c_block_stride = out.block_stride();
+          kernels_->matmul(shortcut);
+        }
+        SeluRegion(out, {row, row_end, column, column_end});
+        open_->average_pool({.in = out,
+                             .size = 4,
+                             .out = buffers.pooled[2],
+                             .row_begin = row / 4,
+                             .row_end = row_end / 4,
+                             .column_begin = column / 4,
+                             .column_end = column_end / 4});
+        for (int64_t y = row; y < row_end; ++y) {
+          ProjectRow(1, y, column, column_end - column, maps, buffers.RowOf(worker));
+        }
+      });
 }
 
 AlikedMaps AlikedNetwork::Encode(const GrayImage& image, bool with_scores,

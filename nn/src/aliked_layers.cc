@@ -20,31 +20,29 @@ Tensor<float> PaddedBias(const Affine& affine) {
   return bias;
 }
 
-AlikedLayers::Convolution PackDirect(const Affine& affine, const kernels::Kernels& kernels) {
+AlikedLayers::Convolution Pack(const Affine& affine, void (*kernel)(const kernels::Conv3x3&),
+                               int64_t (*floats_of)(int64_t, int64_t),
+                               void (*pack)(const float*, int64_t, int64_t, float*)) {
   const int64_t out = affine.weight.rows();
   const int64_t in = affine.weight.cols() / kTaps;
   const RowMajor weight = affine.weight.cast<float>();
   AlikedLayers::Convolution packed;
-  packed.kernel = kernels.conv3x3;
-  packed.weights = Tensor<float>({kernels::PackedConv3x3Floats(out, in)});
-  kernels::PackConv3x3(weight.data(), out, in, packed.weights.data());
+  packed.kernel = kernel;
+  packed.weights = Tensor<float>({floats_of(out, in)});
+  pack(weight.data(), out, in, packed.weights.data());
   packed.bias = PaddedBias(affine);
   return packed;
 }
 
+AlikedLayers::Convolution PackDirect(const Affine& affine, const kernels::Kernels& kernels) {
+  return Pack(affine, kernels.conv3x3, kernels::PackedConv3x3Floats, kernels::PackConv3x3);
+}
+
 AlikedLayers::Convolution PackForRegions(const Affine& affine, const kernels::Kernels& kernels) {
-  if (kernels.winograd3x3 == nullptr) {
-    return PackDirect(affine, kernels);
-  }
-  const int64_t out = affine.weight.rows();
-  const int64_t in = affine.weight.cols() / kTaps;
-  const RowMajor weight = affine.weight.cast<float>();
-  AlikedLayers::Convolution packed;
-  packed.kernel = kernels.winograd3x3;
-  packed.weights = Tensor<float>({kernels::PackedWinograd3x3Floats(out, in)});
-  kernels::PackWinograd3x3(weight.data(), out, in, packed.weights.data());
-  packed.bias = PaddedBias(affine);
-  return packed;
+  return kernels.winograd3x3 == nullptr
+             ? PackDirect(affine, kernels)
+             : Pack(affine, kernels.winograd3x3, kernels::PackedWinograd3x3Floats,
+                    kernels::PackWinograd3x3);
 }
 
 // Columns (channel, tap) to (tap, channel), each tap in whole blocks, and then those of `shortcut`.
