@@ -14,6 +14,15 @@ double DistanceOf(float cosine) { return std::sqrt(std::max(0.0, 2.0 - 2.0 * cos
 
 }  // namespace
 
+std::vector<Eigen::Vector2d> RaysOf(const nn::Features& features, const Camera& camera) {
+  std::vector<Eigen::Vector2d> rays;
+  rays.reserve(static_cast<std::size_t>(features.size()));
+  for (int i = 0; i < features.size(); ++i) {
+    rays.push_back(camera.Undistort(features.keypoints.row(i).transpose().cast<double>()));
+  }
+  return rays;
+}
+
 nn::Matches MatchInBand(const nn::Features& left, const std::vector<Eigen::Vector2d>& left_rays,
                         const nn::Features& right, const std::vector<Eigen::Vector2d>& right_rays,
                         const EpipolarCheck& epipolar, double max_error_px, double max_ratio) {

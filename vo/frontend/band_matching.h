@@ -4,9 +4,13 @@
 #include <vector>
 
 #include "gluevo/nn/features.h"
+#include "gluevo/vo/geometry/camera.h"
 #include "gluevo/vo/geometry/epipolar.h"
 
 namespace gluevo::vo {
+
+/// The features' points on the camera's normalised plane, NaN for those beyond its model.
+std::vector<Eigen::Vector2d> RaysOf(const nn::Features& features, const Camera& camera);
 
 /// Nearest neighbours by descriptor from left to right, among the right keypoints that the epipolar
 /// geometry allows: at most `max_error_px` from the line, and in front of both cameras. A match is

@@ -35,16 +35,8 @@ void LearnedFrontEnd::MatchStereo(Sight& sight) const {
     sight.stereo = matcher_->Match(left, right, options_.stereo_threshold);
     return;
   }
-  const auto rays_of = [](const nn::Features& features, const Camera& camera) {
-    std::vector<Eigen::Vector2d> rays;
-    rays.reserve(static_cast<std::size_t>(features.size()));
-    for (int i = 0; i < features.size(); ++i) {
-      rays.push_back(camera.Undistort(ToEigen(PixelOf(features, i))));
-    }
-    return rays;
-  };
   sight.stereo =
-      MatchInBand(left, rays_of(left, rig_.cameras[0]), right, rays_of(right, rig_.cameras[1]),
+      MatchInBand(left, RaysOf(left, rig_.cameras[0]), right, RaysOf(right, rig_.cameras[1]),
                   epipolar_, options_.max_epipolar_error_px, options_.max_stereo_ratio);
 }
 

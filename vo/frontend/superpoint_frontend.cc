@@ -64,12 +64,7 @@ TrackedFrame SuperPointFrontEnd::MatchRight(TrackedFrame result) {
   const nn::Features right = extractor_->Extract(frame_.images[1]);
   result.stages_ms[extractor_->Name()] = watch.Lap();
 
-  std::vector<Eigen::Vector2d> right_rays;
-  right_rays.reserve(right.size());
-  for (int i = 0; i < right.size(); ++i) {
-    right_rays.push_back(
-        rig_.cameras[1].Undistort(right.keypoints.row(i).transpose().cast<double>()));
-  }
+  const std::vector<Eigen::Vector2d> right_rays = RaysOf(right, rig_.cameras[1]);
   const nn::Matches matches = MatchInBand(left, left_rays, right, right_rays, epipolar_,
                                           options_.max_epipolar_error_px, options_.max_ratio);
   for (std::size_t i = 0; i < result.observations.size(); ++i) {
